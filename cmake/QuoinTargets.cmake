@@ -1,0 +1,62 @@
+# One helper a verb: quoin_module (a folder of libcore), quoin_stage (a stage executable), quoin_test (the tests of a module).
+
+# The instruction set is fixed, not "native": the same binary gives the same bytes on every machine that runs it.
+set(QUOIN_ARCH "auto" CACHE STRING "x86-64 level of the build (x86-64-v3, x86-64-v2, or auto: v3 if this machine has it)")
+if(QUOIN_ARCH STREQUAL "auto")
+    set(quoin_arch x86-64-v2)
+    if(EXISTS /proc/cpuinfo)
+        file(STRINGS /proc/cpuinfo quoin_cpu_flags REGEX "^flags" LIMIT_COUNT 1)
+        if(quoin_cpu_flags MATCHES " avx2 " AND quoin_cpu_flags MATCHES " bmi2 " AND quoin_cpu_flags MATCHES " fma ")
+            set(quoin_arch x86-64-v3)
+        endif()
+    endif()
+else()
+    set(quoin_arch ${QUOIN_ARCH})
+endif()
+
+add_library(quoin_options INTERFACE)
+target_include_directories(quoin_options INTERFACE ${CMAKE_CURRENT_SOURCE_DIR}/libcore)
+# No contraction into fused multiply-adds: it depends on the compiler's mood and breaks equal bytes.
+# Eigen's alignment is pinned to what Debian's libraries were built with, or its allocator differs between us and Ceres.
+target_compile_options(quoin_options INTERFACE
+    -march=${quoin_arch} -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Wno-psabi -Wno-restrict -fdiagnostics-color=auto)
+target_compile_definitions(quoin_options INTERFACE EIGEN_MAX_ALIGN_BYTES=16 EIGEN_DONT_PARALLELIZE)
+target_link_libraries(quoin_options INTERFACE Eigen3::Eigen Threads::Threads)
+
+# quoin_module(NAME [DEPENDS module...] [LINK third-party-target...]): every .cpp of this folder.
+# Third-party types stop at the .cpp, so third-party targets are private.
+function(quoin_module name)
+    cmake_parse_arguments(arg "" "" "DEPENDS;LINK" ${ARGN})
+    file(GLOB sources CONFIGURE_DEPENDS *.cpp)
+    list(TRANSFORM arg_DEPENDS PREPEND quoin_)
+    if(sources)
+        add_library(quoin_${name} STATIC ${sources})
+        target_link_libraries(quoin_${name} PUBLIC quoin_options ${arg_DEPENDS} PRIVATE ${arg_LINK})
+    else()
+        add_library(quoin_${name} INTERFACE)
+        target_link_libraries(quoin_${name} INTERFACE quoin_options ${arg_DEPENDS})
+    endif()
+endfunction()
+
+# quoin_stage(NAME [DEPENDS module...]): the executable NAME from main.cpp of this folder.
+function(quoin_stage name)
+    cmake_parse_arguments(arg "" "" "DEPENDS" ${ARGN})
+    list(TRANSFORM arg_DEPENDS PREPEND quoin_)
+    add_executable(stage_${name} main.cpp)
+    set_target_properties(stage_${name} PROPERTIES OUTPUT_NAME ${name})
+    target_link_libraries(stage_${name} PRIVATE quoin_stage_runner quoin_schema ${arg_DEPENDS})
+endfunction()
+
+# quoin_test(MODULE [DEPENDS module...] [LINK third-party-target...]): every *_test.cpp of this folder in one executable.
+function(quoin_test name)
+    cmake_parse_arguments(arg "" "" "DEPENDS;LINK" ${ARGN})
+    file(GLOB sources CONFIGURE_DEPENDS *_test.cpp)
+    list(TRANSFORM arg_DEPENDS PREPEND quoin_)
+    add_executable(test_${name} ${sources})
+    target_include_directories(test_${name} PRIVATE ${CMAKE_SOURCE_DIR}/tests)
+    target_link_libraries(test_${name} PRIVATE quoin_${name} ${arg_DEPENDS} ${arg_LINK} GTest::gmock GTest::gtest_main)
+    target_compile_definitions(test_${name} PRIVATE
+        QUOIN_SOURCE_DIR="${CMAKE_SOURCE_DIR}" QUOIN_BINARY_DIR="${CMAKE_BINARY_DIR}")
+    gtest_discover_tests(test_${name} TEST_PREFIX ${name}/ DISCOVERY_MODE PRE_TEST
+        PROPERTIES TIMEOUT 600 SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
+endfunction()

@@ -1,0 +1,28 @@
+#pragma once
+
+#include "geometry/moments.h"
+#include "geometry/plane.h"
+#include "mesh/triangle_mesh.h"
+
+#include <vector>
+
+namespace quoin {
+
+// Inner: all faces of one plane, not on the mesh border. Border: on a curve between exactly two planes, or on the mesh
+// border inside one plane. Corner: three or more planes, the end of a curve, or non-manifold.
+enum class VertexClass : std::uint8_t { Inner = 0, Border = 1, Corner = 2 };
+
+// A mesh whose every face belongs to one plane. `moments` are those of the dense cluster the plane was fitted to, kept
+// through merging and simplification (about the world origin); `plane` normals point to the side the faces face.
+struct PlaneMesh {
+    TriangleMesh mesh;
+    std::vector<PlaneId> face_plane;       // F, < plane.size()
+    std::vector<Plane> plane;              // P
+    std::vector<Moments> moments;          // P
+    std::vector<VertexClass> vertex_class; // V
+};
+
+// Classes of all vertices from the planes of their faces.
+std::vector<VertexClass> classify_vertices(const TriangleMesh& mesh, const std::vector<PlaneId>& face_plane);
+
+} // namespace quoin

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "geometry/camera.h"
+#include "geometry/plane.h"
+#include "geometry/rigid.h"
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+namespace quoin {
+
+// What optimize-texture finds: poses of the keyframes, planes, exposures and, when asked for, the calibration.
+struct Alignment {
+    std::vector<Rigid> camera_from_world; // K, depth camera of each keyframe, in the order of Keyframes::frame
+    std::vector<Plane> plane;             // P, in the order of PlaneMesh::plane
+    std::vector<Eigen::Vector3f> gain;    // K; colour in the common exposure = gain * observed + bias (0..255)
+    std::vector<Eigen::Vector3f> bias;    // K
+    Camera color;                         // colour camera, refined or the scan's
+    Rigid depth_from_color = Rigid::Identity();
+    std::vector<std::string> energy_name;     // columns of `energy`: "color", "plane", "line", ...
+    std::vector<std::vector<double>> energy;  // one row per iteration: mean robust cost of each term
+
+    Rigid color_from_world(std::size_t keyframe) const { return depth_from_color.inverse() * camera_from_world[keyframe]; }
+};
+
+} // namespace quoin
