@@ -44,7 +44,7 @@ function(quoin_stage name)
     list(TRANSFORM arg_DEPENDS PREPEND quoin_)
     add_executable(stage_${name} main.cpp)
     set_target_properties(stage_${name} PROPERTIES OUTPUT_NAME ${name})
-    target_link_libraries(stage_${name} PRIVATE quoin_stage_runner quoin_schema ${arg_DEPENDS})
+    target_link_libraries(stage_${name} PRIVATE quoin_stage quoin_schema ${arg_DEPENDS})
 endfunction()
 
 # quoin_test(MODULE [DEPENDS module...] [LINK third-party-target...]): every *_test.cpp of this folder in one executable.
