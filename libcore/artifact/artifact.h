@@ -1,6 +1,6 @@
-// The artifact container: one safetensors file (design: 8-byte little-endian header length, JSON header, raw little-endian
-// tensors in C order, no holes). Tensors are ordered by falling element size, then name, and the header is padded to 64
-// bytes, so every array is aligned and used in place.
+// The artifact container: one safetensors file (design: 8-byte little-endian header length, JSON header, raw
+// little-endian tensors in C order, no holes). Tensors are ordered by falling element size, then name, and the header
+// is padded to 64 bytes, so every array is aligned and used in place.
 #pragma once
 
 #include <cstddef>
@@ -21,24 +21,52 @@ std::string_view name_of(DType type); // "U8", "F32", ... as safetensors spells 
 
 template <class T>
 constexpr DType dtype_of();
-template <> constexpr DType dtype_of<std::uint8_t>() { return DType::U8; }
-template <> constexpr DType dtype_of<std::int8_t>() { return DType::I8; }
-template <> constexpr DType dtype_of<std::uint16_t>() { return DType::U16; }
-template <> constexpr DType dtype_of<std::uint32_t>() { return DType::U32; }
-template <> constexpr DType dtype_of<std::int32_t>() { return DType::I32; }
-template <> constexpr DType dtype_of<float>() { return DType::F32; }
-template <> constexpr DType dtype_of<double>() { return DType::F64; }
+template <>
+constexpr DType dtype_of<std::uint8_t>()
+{
+    return DType::U8;
+}
+template <>
+constexpr DType dtype_of<std::int8_t>()
+{
+    return DType::I8;
+}
+template <>
+constexpr DType dtype_of<std::uint16_t>()
+{
+    return DType::U16;
+}
+template <>
+constexpr DType dtype_of<std::uint32_t>()
+{
+    return DType::U32;
+}
+template <>
+constexpr DType dtype_of<std::int32_t>()
+{
+    return DType::I32;
+}
+template <>
+constexpr DType dtype_of<float>()
+{
+    return DType::F32;
+}
+template <>
+constexpr DType dtype_of<double>()
+{
+    return DType::F64;
+}
 
 struct Tensor {
     DType type = DType::U8;
     std::vector<std::size_t> shape;
-    std::span<const std::byte> bytes;      // C order
-    std::shared_ptr<const void> owner;     // keeps the bytes alive: a mapped file or a buffer
+    std::span<const std::byte> bytes;  // C order
+    std::shared_ptr<const void> owner; // keeps the bytes alive: a mapped file or a buffer
 };
 
 // A set of named tensors with its schema and provenance. Copies share the bytes.
 struct Artifact {
-    std::string schema;                          // "plane_mesh"
+    std::string schema; // "plane_mesh"
     int schema_version = 1;
     std::map<std::string, Tensor> tensors;
     std::map<std::string, std::string> metadata; // every "quoin.*" string of the file but schema and version
@@ -50,12 +78,16 @@ struct Artifact {
         static_assert(std::is_trivially_copyable_v<T> || sizeof(T) % sizeof(Element) == 0);
         add_bytes(name, dtype_of<Element>(), std::move(shape), std::as_bytes(std::span(values)));
     }
-    void add_bytes(const std::string& name, DType type, std::vector<std::size_t> shape, std::span<const std::byte> bytes);
+    void add_bytes(const std::string& name, DType type, std::vector<std::size_t> shape,
+                   std::span<const std::byte> bytes);
     void add_text(const std::string& name, const std::string& text); // (length) u8
 
     // SHA-256, in hexadecimal, over the canonical tensor table and the tensor bytes, without provenance.
     std::string payload() const;
 };
+
+// Names of tensors in the order they have in a file: by falling element size, then name.
+std::vector<std::string> file_order(const std::map<std::string, Tensor>& tensors);
 
 // What the header alone tells, without reading a tensor.
 struct ArtifactHeader {

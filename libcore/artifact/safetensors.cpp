@@ -1,0 +1,251 @@
+#include "artifact/artifact.h"
+#include "artifact/digest.h"
+#include "artifact/mapped_file.h"
+#include "artifact/migration.h"
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "base/parallel.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <unistd.h>
+
+namespace quoin {
+
+namespace {
+
+using Json = nlohmann::json;
+namespace fs = std::filesystem;
+constexpr std::uint64_t kMaxHeader = 100'000'000; // the format's own limit
+constexpr std::size_t kAlignment = 64;
+
+// The file's parts, before any tensor is looked at.
+struct Parsed {
+    Json header;
+    std::span<const std::byte> data;
+};
+
+[[noreturn]] void refuse(const fs::path& path, const std::string& found)
+{
+    throw InputError(
+        fmt::format("{}: {}; expected a Quoin artifact (safetensors): make it again, or check that it was copied whole",
+                    path.string(), found));
+}
+
+Parsed parse_container(const fs::path& path, std::span<const std::byte> file)
+{
+    if (file.size() < 8) refuse(path, fmt::format("the file has {} bytes", file.size()));
+    std::uint64_t length = 0;
+    std::memcpy(&length, file.data(), 8);
+    if (length > kMaxHeader) refuse(path, fmt::format("it begins with a header length of {}", length));
+    if (length > file.size() - 8)
+        refuse(path, fmt::format("truncated: the header needs {} bytes, the file has {}", length + 8, file.size()));
+    const auto* text = reinterpret_cast<const char*>(file.data()) + 8;
+    Parsed parsed{Json::parse(text, text + length, nullptr, false), file.subspan(8 + length)};
+    if (parsed.header.is_discarded() || !parsed.header.is_object()) refuse(path, "its header is not a JSON object");
+    return parsed;
+}
+
+std::map<std::string, std::string> metadata_of(const fs::path& path, const Json& header)
+{
+    std::map<std::string, std::string> metadata;
+    const auto it = header.find("__metadata__");
+    if (it == header.end()) return metadata;
+    if (!it->is_object()) refuse(path, "its __metadata__ is not a JSON object");
+    for (const auto& [name, value] : it->items()) {
+        if (!value.is_string()) refuse(path, fmt::format("metadata '{}' is not a string", name));
+        metadata[name] = value.get<std::string>();
+    }
+    return metadata;
+}
+
+std::optional<DType> parse_dtype(std::string_view text)
+{
+    for (int i = 0; i <= static_cast<int>(DType::F64); ++i)
+        if (name_of(static_cast<DType>(i)) == text) return static_cast<DType>(i);
+    return std::nullopt;
+}
+
+std::size_t element_count(const fs::path& path, const std::string& name, const std::vector<std::size_t>& shape,
+                          std::size_t limit)
+{
+    std::size_t count = 1;
+    for (const std::size_t n : shape) {
+        if (n != 0 && count > limit / n) refuse(path, fmt::format("tensor '{}' is larger than the file", name));
+        count *= n;
+    }
+    return count;
+}
+
+Tensor parse_tensor(const fs::path& path, const std::string& name, const Json& entry, std::span<const std::byte> data)
+{
+    const auto well_formed = [&] {
+        if (!entry.is_object() || !entry.contains("dtype") || !entry.contains("shape") ||
+            !entry.contains("data_offsets"))
+            return false;
+        const auto all_unsigned = [](const Json& list) {
+            return list.is_array() &&
+                   std::all_of(list.begin(), list.end(), [](const Json& v) { return v.is_number_unsigned(); });
+        };
+        return entry["dtype"].is_string() && all_unsigned(entry["shape"]) && all_unsigned(entry["data_offsets"]) &&
+               entry["data_offsets"].size() == 2;
+    };
+    if (!well_formed()) refuse(path, fmt::format("tensor '{}' has a malformed header entry", name));
+    const auto type = parse_dtype(entry["dtype"].get<std::string>());
+    if (!type) refuse(path, fmt::format("tensor '{}' has the unknown type {}", name, entry["dtype"].dump()));
+    const auto begin = entry["data_offsets"][0].get<std::uint64_t>(),
+               end = entry["data_offsets"][1].get<std::uint64_t>();
+    if (begin > end || end > data.size())
+        refuse(path, fmt::format("truncated: tensor '{}' ends at byte {}, the file holds {}", name, end, data.size()));
+    Tensor tensor{*type, entry["shape"].get<std::vector<std::size_t>>(), data.subspan(begin, end - begin), nullptr};
+    if (element_count(path, name, tensor.shape, data.size()) * size_of(*type) != end - begin)
+        refuse(path, fmt::format("tensor '{}': {} bytes do not fit its shape", name, end - begin));
+    if (reinterpret_cast<std::uintptr_t>(tensor.bytes.data()) % size_of(*type) != 0)
+        refuse(path, fmt::format("tensor '{}' is not aligned", name));
+    return tensor;
+}
+
+void check_no_holes(const fs::path& path, const std::map<std::string, Tensor>& tensors, std::span<const std::byte> data)
+{
+    std::vector<std::pair<const std::byte*, const std::byte*>> ranges;
+    for (const auto& [name, tensor] : tensors)
+        ranges.emplace_back(tensor.bytes.data(), tensor.bytes.data() + tensor.bytes.size());
+    std::ranges::sort(ranges);
+    const std::byte* at = data.data();
+    for (const auto& [begin, end] : ranges) {
+        if (begin != at) refuse(path, "its tensors overlap or leave holes");
+        at = end;
+    }
+    if (at != data.data() + data.size())
+        refuse(path, fmt::format("{} bytes follow the last tensor", data.data() + data.size() - at));
+}
+
+void check_checksums(const fs::path& path, const Artifact& artifact)
+{
+    const auto text = artifact.metadata.find("quoin.checksums");
+    if (text == artifact.metadata.end()) return; // written by a foreign program
+    const Json sums = Json::parse(text->second, nullptr, false);
+    for (const auto& [name, tensor] : artifact.tensors) {
+        const std::string expected =
+            sums.is_object() && sums.contains(name) && sums[name].is_string() ? sums[name].get<std::string>() : "";
+        if (checksum_hex(tensor.bytes) != expected)
+            refuse(path, fmt::format("tensor '{}' is damaged (its checksum differs)", name));
+    }
+}
+
+std::string take(std::map<std::string, std::string>& metadata, const char* name)
+{
+    auto node = metadata.extract(name);
+    return node.empty() ? std::string() : node.mapped();
+}
+
+int parse_version(const fs::path& path, const std::string& text)
+{
+    int version = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), version);
+    if (error != std::errc() || end != text.data() + text.size())
+        refuse(path, fmt::format("its schema version is '{}'", text));
+    return version;
+}
+
+} // namespace
+
+ArtifactHeader read_artifact_header(const fs::path& path)
+{
+    const MappedFile file(path);
+    auto metadata = metadata_of(path, parse_container(path, file.bytes()).header);
+    ArtifactHeader header;
+    header.schema = take(metadata, "quoin.schema");
+    if (header.schema.empty()) refuse(path, "a safetensors file without 'quoin.schema'");
+    header.schema_version = parse_version(path, take(metadata, "quoin.schema_version"));
+    header.payload = take(metadata, "quoin.payload");
+    header.metadata = std::move(metadata);
+    header.file_size = file.bytes().size();
+    return header;
+}
+
+Artifact read_artifact(const fs::path& path)
+{
+    const auto file = std::make_shared<MappedFile>(path);
+    const Parsed parsed = parse_container(path, file->bytes());
+    Artifact artifact;
+    artifact.metadata = metadata_of(path, parsed.header);
+    for (const auto& [name, entry] : parsed.header.items()) {
+        if (name == "__metadata__") continue;
+        Tensor tensor = parse_tensor(path, name, entry, parsed.data);
+        tensor.owner = file;
+        artifact.tensors.emplace(name, std::move(tensor));
+    }
+    check_no_holes(path, artifact.tensors, parsed.data);
+    artifact.schema = take(artifact.metadata, "quoin.schema");
+    if (artifact.schema.empty()) refuse(path, "a safetensors file without 'quoin.schema'");
+    artifact.schema_version = parse_version(path, take(artifact.metadata, "quoin.schema_version"));
+    check_checksums(path, artifact);
+    return artifact;
+}
+
+Artifact read_artifact(const fs::path& path, std::string_view schema, int newest)
+{
+    Artifact artifact = read_artifact(path);
+    const auto note = [&](const char* name) {
+        const auto it = artifact.metadata.find(name);
+        return it == artifact.metadata.end() ? std::string("unknown") : it->second;
+    };
+    if (artifact.schema != schema)
+        throw InputError(
+            fmt::format("{}: holds a '{}' (written by {}); expected a '{}': check which output is wired here",
+                        path.string(), artifact.schema, note("quoin.stage"), schema));
+    if (artifact.schema_version > newest)
+        throw InputError(fmt::format("{}: schema {}/{} written by {} {}; this build reads up to {}/{}: upgrade Quoin, "
+                                     "or make the file again with this build",
+                                     path.string(), schema, artifact.schema_version, note("quoin.stage"),
+                                     note("quoin.impl_version"), schema, newest));
+    return migrate(std::move(artifact), newest, path);
+}
+
+void write_artifact(const fs::path& path, const Artifact& artifact)
+{
+    const auto names = file_order(artifact.tensors);
+    std::vector<std::string> sums(names.size());
+    parallel_for(names.size(), [&](std::size_t i) { sums[i] = checksum_hex(artifact.tensors.at(names[i]).bytes); });
+
+    Json header = Json::object(), checksums = Json::object();
+    std::uint64_t offset = 0;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        const Tensor& tensor = artifact.tensors.at(names[i]);
+        header[names[i]] = {{"dtype", name_of(tensor.type)},
+                            {"shape", tensor.shape},
+                            {"data_offsets", {offset, offset + tensor.bytes.size()}}};
+        offset += tensor.bytes.size();
+        checksums[names[i]] = sums[i];
+    }
+    Json metadata = artifact.metadata;
+    metadata["quoin.schema"] = artifact.schema;
+    metadata["quoin.schema_version"] = std::to_string(artifact.schema_version);
+    if (!artifact.metadata.contains("quoin.payload")) metadata["quoin.payload"] = artifact.payload();
+    metadata["quoin.checksums"] = checksums.dump();
+    header["__metadata__"] = std::move(metadata);
+
+    std::string text = header.dump();
+    text.resize((text.size() + 8 + kAlignment - 1) / kAlignment * kAlignment - 8, ' ');
+    const auto length = static_cast<std::uint64_t>(text.size());
+    write_atomically(path, [&](const fs::path& temporary) {
+        const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+        if (descriptor < 0)
+            throw InputError(fmt::format("{}: cannot write: {}; name an existing folder that you may write to",
+                                         path.string(), std::strerror(errno)));
+        const std::shared_ptr<const int> closer(&descriptor, [](const int* d) { ::close(*d); });
+        write_all(descriptor, std::as_bytes(std::span(&length, 1)), path);
+        write_all(descriptor, std::as_bytes(std::span(text)), path);
+        for (const auto& name : names)
+            write_all(descriptor, artifact.tensors.at(name).bytes, path);
+    });
+}
+
+} // namespace quoin
