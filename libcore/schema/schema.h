@@ -1,22 +1,17 @@
-// Reading and writing every artifact of the data path: one schema, one type, one pair. A reader checks all lengths, types,
-// shapes and index ranges and throws InputError naming file, tensor and value; a writer publishes atomically.
+// Reading and writing every artifact of the data path: one schema, one type, one pair. A reader checks all lengths,
+// types, shapes and index ranges and throws InputError naming file, tensor and value; a writer publishes atomically.
 #pragma once
 
 #include "artifact/artifact.h"
 #include "base/metrics.h"
+#include "mesh/line_matches.h"
+#include "mesh/textured_mesh.h"
+#include "scan/alignment.h"
+#include "scan/keyframes.h"
 
 #include <filesystem>
 
 namespace quoin {
-
-struct Scan;
-struct TriangleMesh;
-struct Keyframes;
-struct PlaneMesh;
-struct LineMatch;
-struct Alignment;
-struct TexturedMesh;
-using LineMatches = std::vector<LineMatch>;
 
 Scan read_scan(const std::filesystem::path& path);
 TriangleMesh read_mesh(const std::filesystem::path& path);

@@ -1,0 +1,43 @@
+#include "mesh/triangle_mesh.h"
+
+#include "schema/mesh_tensors.h"
+#include "schema/schema.h"
+
+namespace quoin {
+
+void add_mesh_tensors(Artifact& artifact, const TriangleMesh& mesh)
+{
+    artifact.add<float>("position", {mesh.position.size(), 3}, mesh.position);
+    artifact.add<std::uint32_t>("face", {mesh.face.size(), 3}, mesh.face);
+    if (!mesh.color.empty()) artifact.add<std::uint8_t>("color", {mesh.color.size(), 3}, mesh.color);
+    if (!mesh.normal.empty()) artifact.add<float>("normal", {mesh.normal.size(), 3}, mesh.normal);
+}
+
+TriangleMesh read_mesh_tensors(const TensorReader& reader)
+{
+    TriangleMesh mesh;
+    mesh.position = reader.array<float, Eigen::Vector3f>("position", {kAny, 3});
+    mesh.face = reader.array<std::uint32_t, Face>("face", {kAny, 3});
+    const std::size_t count = mesh.position.size();
+    for (const auto& position : mesh.position)
+        if (!position.allFinite()) reader.refuse("position", "holds a vertex that is not finite");
+    if (!mesh.face.empty()) reader.check_indices("face", mesh.face[0].data(), 3 * mesh.face.size(), count);
+    if (reader.has("color")) mesh.color = reader.array<std::uint8_t, Rgb8>("color", {count, 3});
+    if (reader.has("normal")) mesh.normal = reader.array<float, Eigen::Vector3f>("normal", {count, 3});
+    return mesh;
+}
+
+Artifact to_artifact(const TriangleMesh& mesh)
+{
+    Artifact artifact{"mesh", 1, {}, {}};
+    add_mesh_tensors(artifact, mesh);
+    return artifact;
+}
+
+TriangleMesh read_mesh(const std::filesystem::path& path)
+{
+    const Artifact artifact = read_artifact(path, "mesh", 1);
+    return read_mesh_tensors(TensorReader(artifact, path));
+}
+
+} // namespace quoin

@@ -1,0 +1,69 @@
+#include "schema/matrices.h"
+#include "schema/mesh_tensors.h"
+#include "schema/schema.h"
+
+namespace quoin {
+namespace {
+
+using Numbers10 = std::array<double, 10>; // area, first (3), second (6: xx xy xz yy yz zz)
+
+Numbers10 numbers_of(const Moments& m)
+{
+    return {m.area,      m.first.x(), m.first.y(), m.first.z(), m.second[0],
+            m.second[1], m.second[2], m.second[3], m.second[4], m.second[5]};
+}
+
+Moments moments_of(const Numbers10& n)
+{
+    Moments m;
+    m.area = n[0];
+    m.first = {n[1], n[2], n[3]};
+    m.second << n[4], n[5], n[6], n[7], n[8], n[9];
+    return m;
+}
+
+} // namespace
+
+void add_plane_mesh_tensors(Artifact& artifact, const PlaneMesh& mesh)
+{
+    add_mesh_tensors(artifact, mesh.mesh);
+    std::vector<Numbers10> moments;
+    for (const auto& m : mesh.moments)
+        moments.push_back(numbers_of(m));
+    artifact.add<std::uint32_t>("face_plane", {mesh.face_plane.size()}, mesh.face_plane);
+    add_planes(artifact, "plane", mesh.plane);
+    artifact.add<double>("moments", {moments.size(), 10}, moments);
+    artifact.add<std::uint8_t>("vertex_class", {mesh.vertex_class.size()}, mesh.vertex_class);
+}
+
+PlaneMesh read_plane_mesh_tensors(const TensorReader& reader)
+{
+    PlaneMesh mesh;
+    mesh.mesh = read_mesh_tensors(reader);
+    mesh.plane = read_planes(reader, "plane");
+    mesh.face_plane = reader.array<std::uint32_t, PlaneId>("face_plane", {mesh.mesh.face.size()});
+    reader.check_indices("face_plane", mesh.face_plane.data(), mesh.face_plane.size(), mesh.plane.size());
+    for (const auto& row : reader.array<double, Numbers10>("moments", {mesh.plane.size(), 10})) {
+        reader.check_finite("moments", row.data(), row.size());
+        mesh.moments.push_back(moments_of(row));
+    }
+    mesh.vertex_class = reader.array<std::uint8_t, VertexClass>("vertex_class", {mesh.mesh.position.size()});
+    for (const VertexClass c : mesh.vertex_class)
+        if (c > VertexClass::Corner) reader.refuse("vertex_class", "holds a class above 2");
+    return mesh;
+}
+
+Artifact to_artifact(const PlaneMesh& mesh)
+{
+    Artifact artifact{"plane_mesh", 1, {}, {}};
+    add_plane_mesh_tensors(artifact, mesh);
+    return artifact;
+}
+
+PlaneMesh read_plane_mesh(const std::filesystem::path& path)
+{
+    const Artifact artifact = read_artifact(path, "plane_mesh", 1);
+    return read_plane_mesh_tensors(TensorReader(artifact, path));
+}
+
+} // namespace quoin
