@@ -2,16 +2,12 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "image/formats.h"
 
-#include <OpenImageIO/filesystem.h>
-#include <OpenImageIO/imageio.h>
-#include <algorithm>
-#include <array>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <memory>
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <sys/stat.h>
@@ -21,50 +17,7 @@ namespace quoin {
 namespace fs = std::filesystem;
 namespace {
 
-using Bytes = std::span<const std::byte>;
-
-template <std::size_t N>
-bool starts_with(Bytes bytes, const std::array<std::uint8_t, N>& magic)
-{
-    return bytes.size() >= N && std::memcmp(bytes.data(), magic.data(), N) == 0;
-}
-
-template <std::size_t N>
-Bytes::iterator find_last(Bytes bytes, const std::array<std::uint8_t, N>& mark)
-{
-    return std::ranges::find_end(bytes, std::as_bytes(std::span(mark))).begin();
-}
-
-constexpr std::array<std::uint8_t, 3> kJpegMagic{0xff, 0xd8, 0xff};
-constexpr std::array<std::uint8_t, 8> kPngMagic{0x89, 'P', 'N', 'G', 0x0d, 0x0a, 0x1a, 0x0a};
-
-// A decoder fills what is missing with grey and only mumbles, so the end of the file is looked for here: the last scan
-// of a JPEG is followed by an end mark (a mark inside the compressed data would be escaped), a PNG ends with IEND.
-bool is_complete(Bytes bytes)
-{
-    constexpr std::array<std::uint8_t, 2> scan_mark{0xff, 0xda}, end_mark{0xff, 0xd9};
-    constexpr std::array<std::uint8_t, 4> end_chunk{'I', 'E', 'N', 'D'};
-    if (starts_with(bytes, kJpegMagic)) {
-        const auto end = find_last(bytes, end_mark);
-        return end != bytes.end() &&
-               find_last(bytes.first(static_cast<std::size_t>(end - bytes.begin())), scan_mark) != end;
-    }
-    if (starts_with(bytes, kPngMagic)) return find_last(bytes, end_chunk) != bytes.end();
-    return true;
-}
-
-void check_complete(Bytes bytes, const std::string& name)
-{
-    if (bytes.empty()) throw InputError(name + ": the file is empty; expected an image; copy it again");
-    if (!is_complete(bytes))
-        throw InputError(
-            fmt::format("{}: the image is cut off after {} bytes; copy the file again", name, bytes.size()));
-}
-
-[[noreturn]] void refuse(const std::string& name, const std::string& found, const std::string& expected)
-{
-    throw InputError(fmt::format("{}: {}; expected {}", name, found, expected));
-}
+using formats::Bytes, formats::check_complete, formats::refuse;
 
 cv::Mat decode(Bytes bytes, const std::string& name, int flags)
 {
@@ -126,22 +79,6 @@ std::vector<std::byte> encode_png(const cv::Mat& image)
 
 } // namespace
 
-ImageInfo inspect_image(Bytes bytes, const std::string& name)
-{
-    check_complete(bytes, name);
-    OIIO::Filesystem::IOMemReader reader(const_cast<std::byte*>(bytes.data()), bytes.size());
-    const auto input = OIIO::ImageInput::open(starts_with(bytes, kJpegMagic)  ? "bytes.jpg"
-                                              : starts_with(bytes, kPngMagic) ? "bytes.png"
-                                                                              : name,
-                                              nullptr, &reader);
-    if (!input) {
-        OIIO::geterror(); // fetched, or it is printed at exit
-        refuse(name, "not an image that can be decoded", "a JPEG, PNG, BMP, TIFF or WebP file");
-    }
-    const OIIO::ImageSpec& spec = input->spec();
-    return {spec.width, spec.height, spec.nchannels, static_cast<int>(8 * spec.format.basesize())};
-}
-
 std::vector<std::byte> read_bytes(const fs::path& path)
 {
     const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
@@ -190,22 +127,6 @@ Image<std::uint16_t> decode_gray16(Bytes bytes, const std::string& name)
     const cv::Mat image = decode(bytes, name, cv::IMREAD_UNCHANGED);
     if (image.type() != CV_16U) refuse(name, kind_of(image), "one channel of 16 bits (a depth image)");
     return copied<std::uint16_t>(image);
-}
-
-std::vector<std::byte> encode_jpeg(const ColorImage& image, int quality)
-{
-    if (image.empty()) throw ResourceError("cannot encode a JPEG: the image has no pixels");
-    std::vector<unsigned char> encoded;
-    OIIO::Filesystem::IOVecOutput buffer(encoded);
-    OIIO::ImageSpec spec(image.width, image.height, 3, OIIO::TypeDesc::UINT8);
-    spec["jpeg:subsampling"] = "4:4:4"; // edges of saturated colours stay sharp
-    spec["Compression"] = fmt::format("jpeg:{}", quality);
-    const auto output = OIIO::ImageOutput::create("bytes.jpg");
-    const bool written = output && output->set_ioproxy(&buffer) && output->open("bytes.jpg", spec) &&
-                         output->write_image(OIIO::TypeDesc::UINT8, image.pixels.data()) && output->close();
-    if (!written) throw ResourceError("cannot encode a JPEG: " + (output ? output->geterror() : OIIO::geterror()));
-    const auto bytes = std::as_bytes(std::span(encoded));
-    return {bytes.begin(), bytes.end()};
 }
 
 std::vector<std::byte> encode_png(const ColorImage& image)

@@ -10,8 +10,11 @@ std::vector<float> gaussian_kernel(double sigma)
     const int radius = std::max(1, static_cast<int>(std::ceil(3.0 * sigma)));
     std::vector<float> kernel(static_cast<std::size_t>(2 * radius + 1));
     double sum = 0.0;
-    for (int i = -radius; i <= radius; ++i) sum += kernel[static_cast<std::size_t>(i + radius)] = static_cast<float>(std::exp(-0.5 * i * i / (sigma * sigma)));
-    for (auto& weight : kernel) weight = static_cast<float>(weight / sum);
+    for (int i = -radius; i <= radius; ++i)
+        sum += kernel[static_cast<std::size_t>(i + radius)] =
+            static_cast<float>(std::exp(-0.5 * i * i / (sigma * sigma)));
+    for (auto& weight : kernel)
+        weight = static_cast<float>(weight / sum);
     return kernel;
 }
 
@@ -32,7 +35,8 @@ GrayImage half_size(const GrayImage& image)
     for (int y = 0; y < half.height; ++y) {
         const float* a = image.row(2 * y);
         const float* b = image.row(2 * y + 1);
-        for (int x = 0; x < half.width; ++x) half.at(x, y) = 0.25f * (a[2 * x] + a[2 * x + 1] + b[2 * x] + b[2 * x + 1]);
+        for (int x = 0; x < half.width; ++x)
+            half.at(x, y) = 0.25f * (a[2 * x] + a[2 * x + 1] + b[2 * x] + b[2 * x + 1]);
     }
     return half;
 }
@@ -43,8 +47,10 @@ ColorImage half_size(const ColorImage& image)
     for (int y = 0; y < half.height; ++y)
         for (int x = 0; x < half.width; ++x)
             for (std::size_t c = 0; c < 3; ++c)
-                half.at(x, y)[c] = static_cast<std::uint8_t>((image.at(2 * x, 2 * y)[c] + image.at(2 * x + 1, 2 * y)[c] +
-                                                              image.at(2 * x, 2 * y + 1)[c] + image.at(2 * x + 1, 2 * y + 1)[c] + 2) / 4);
+                half.at(x, y)[c] =
+                    static_cast<std::uint8_t>((image.at(2 * x, 2 * y)[c] + image.at(2 * x + 1, 2 * y)[c] +
+                                               image.at(2 * x, 2 * y + 1)[c] + image.at(2 * x + 1, 2 * y + 1)[c] + 2) /
+                                              4);
     return half;
 }
 
@@ -54,7 +60,8 @@ DepthImage half_depth(const DepthImage& depth)
     for (int y = 0; y < half.height; ++y) {
         for (int x = 0; x < half.width; ++x) {
             float nearest = 0.0f;
-            for (const float z : {depth.at(2 * x, 2 * y), depth.at(2 * x + 1, 2 * y), depth.at(2 * x, 2 * y + 1), depth.at(2 * x + 1, 2 * y + 1)})
+            for (const float z : {depth.at(2 * x, 2 * y), depth.at(2 * x + 1, 2 * y), depth.at(2 * x, 2 * y + 1),
+                                  depth.at(2 * x + 1, 2 * y + 1)})
                 if (z > 0.0f && (nearest == 0.0f || z < nearest)) nearest = z;
             half.at(x, y) = nearest;
         }
@@ -71,7 +78,8 @@ GrayImage smooth(const GrayImage& image, double sigma)
         for (int x = 0; x < image.width; ++x) {
             float sum = 0.0f;
             for (int k = -radius; k <= radius; ++k)
-                sum += kernel[static_cast<std::size_t>(k + radius)] * image.at(std::clamp(x + k, 0, image.width - 1), y);
+                sum +=
+                    kernel[static_cast<std::size_t>(k + radius)] * image.at(std::clamp(x + k, 0, image.width - 1), y);
             rows.at(x, y) = sum;
         }
     for (int y = 0; y < image.height; ++y) {
@@ -79,7 +87,8 @@ GrayImage smooth(const GrayImage& image, double sigma)
         for (int k = -radius; k <= radius; ++k) {
             const float* in = rows.row(std::clamp(y + k, 0, image.height - 1));
             const float weight = kernel[static_cast<std::size_t>(k + radius)];
-            for (int x = 0; x < image.width; ++x) out[x] += weight * in[x];
+            for (int x = 0; x < image.width; ++x)
+                out[x] += weight * in[x];
         }
     }
     return result;
