@@ -1,5 +1,5 @@
-// A scan: a table of frames with their poses and the cameras that took them. It names image files and never holds pixels;
-// ScanImages reads them.
+// A scan: a table of frames with their poses and the cameras that took them. It names image files and never holds
+// pixels; ScanImages reads them.
 #pragma once
 
 #include "geometry/camera.h"
@@ -43,18 +43,19 @@ struct Scan {
     ScanFile dense_mesh; // the scan folder's own mesh (PLY), if it has one
 
     Rigid color_from_world(FrameId id) const { return depth_from_color.inverse() * frames[id].camera_from_world; }
-    std::vector<FrameId> frames_in_use() const;  // FrameUse::Used, in order
+    std::vector<FrameId> frames_in_use() const; // FrameUse::Used, in order
     std::vector<FrameId> frames_held_out() const;
 };
 
-// Reads images of a scan from its root. Every file is checked against its SHA-256: InputError when it changed, is missing
-// or is no image of the camera's size. Safe to call from several threads.
+// Reads images of a scan from its root. Every file is checked against its SHA-256: InputError when it changed, is
+// missing or is no image of the camera's size. Safe to call from several threads.
 class ScanImages {
 public:
     ScanImages(const Scan& scan, std::filesystem::path root);
     ColorImage color(FrameId id) const; // undistorted, size of scan.color
     GrayImage gray(FrameId id) const;   // luma of color()
-    DepthImage depth(FrameId id) const; // [m], 0 = missing (0 and 65535 in the file), size of scan.depth; empty if the frame has none
+    DepthImage depth(FrameId id)
+        const; // [m], 0 = missing (0 and 65535 in the file), size of scan.depth; empty if the frame has none
     const Scan& scan() const { return *scan_; }
 
 private:
