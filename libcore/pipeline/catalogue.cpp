@@ -1,0 +1,86 @@
+#include "pipeline/catalogue.h"
+
+#include "base/error.h"
+#include "pipeline/process.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace quoin {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr double kDescribeSeconds = 30.0; // a stage answers in milliseconds; a program that is none may wait for ever
+
+bool is_program(const fs::path& path) { return fs::is_regular_file(path) && ::access(path.c_str(), X_OK) == 0; }
+
+std::string failure(const fs::path& program, const Captured& captured)
+{
+    if (captured.timed_out)
+        return fmt::format("{}: did not answer --describe within {} s", program.string(), kDescribeSeconds);
+    return fmt::format("{}: ended with exit code {} on --describe; is it a Quoin stage?", program.string(),
+                       captured.exit_code);
+}
+
+} // namespace
+
+bool names_a_path(const std::string& use) { return use.find('/') != std::string::npos; }
+
+Catalogue::Catalogue(fs::path folder) : folder_(std::move(folder)) {}
+
+std::vector<std::string> Catalogue::names()
+{
+    std::vector<fs::path> programs;
+    for (const auto& entry : fs::directory_iterator(folder_)) {
+        const std::string name = entry.path().filename().string();
+        if (is_program(entry.path()) && name != "quoin" && !name.starts_with("test_") && !name.starts_with("bench_"))
+            programs.push_back(entry.path());
+    }
+    prepare(programs);
+    std::vector<std::string> names;
+    for (const auto& program : programs) {
+        const Answer& answer = answers_.at(program);
+        if (answer.error.empty() && answer.program.description.name == program.filename())
+            names.push_back(program.filename());
+    }
+    std::ranges::sort(names);
+    return names;
+}
+
+fs::path Catalogue::locate(const std::string& use, const fs::path& relative_to) const
+{
+    if (!names_a_path(use)) return folder_ / use;
+    return fs::path(use).is_absolute() ? fs::path(use) : fs::absolute(relative_to / use).lexically_normal();
+}
+
+void Catalogue::prepare(const std::vector<fs::path>& programs)
+{
+    std::vector<fs::path> asked;
+    for (const auto& program : programs)
+        if (is_program(program) && !answers_.contains(program) && std::ranges::find(asked, program) == asked.end())
+            asked.push_back(program);
+    const auto captured = capture_all(asked, {"--describe"}, kDescribeSeconds);
+    for (std::size_t i = 0; i < asked.size(); ++i) {
+        Answer& answer = answers_[asked[i]];
+        answer.program.path = asked[i];
+        try {
+            if (captured[i].timed_out || captured[i].exit_code != 0) throw UsageError(failure(asked[i], captured[i]));
+            answer.program.description = parse_description(captured[i].output, asked[i].string());
+        } catch (const UsageError& error) {
+            answer.error = error.what();
+        }
+    }
+}
+
+const Program& Catalogue::describe(const fs::path& program)
+{
+    if (!fs::exists(program)) throw UsageError(fmt::format("{}: no such program", program.string()));
+    if (!is_program(program)) throw UsageError(fmt::format("{}: is not an executable file", program.string()));
+    prepare({program});
+    const Answer& answer = answers_.at(program);
+    if (!answer.error.empty()) throw UsageError(answer.error);
+    return answer.program;
+}
+
+} // namespace quoin

@@ -1,0 +1,48 @@
+// What a stage executable says about itself (`STAGE --describe`): the one source for wiring checks, parameter checks
+// and help.
+#pragma once
+
+#include "base/param.h"
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace quoin {
+
+struct PortDescription {
+    std::string name;
+    std::string schema;
+    int version = 1; // newest version that is read, or the one that is written
+    bool optional = false;
+    std::string doc;
+};
+
+struct StageDescription {
+    std::string name;
+    std::string summary;
+    int impl_version = 1;
+    std::vector<PortDescription> inputs;
+    std::vector<PortDescription> outputs;
+    std::vector<ParamSpec> params;
+    bool reads_images = false; // takes --scan-root
+};
+
+// A stage executable and its description.
+struct Program {
+    std::filesystem::path path;
+    StageDescription description;
+};
+
+// Folders are wired like artifacts, but lie on disk as directories.
+bool is_directory_schema(std::string_view schema);
+
+// The port of that name, or nullptr.
+const PortDescription* find_port(const std::vector<PortDescription>& ports, std::string_view name);
+std::vector<std::string> port_names(const std::vector<PortDescription>& ports);
+
+// From the JSON of --describe. Throws UsageError naming `who` and the key that is missing or of the wrong type.
+StageDescription parse_description(const std::string& json, const std::string& who);
+
+} // namespace quoin

@@ -1,0 +1,207 @@
+#include "pipeline/pipeline_file.h"
+
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "pipeline/yaml.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <vector>
+
+namespace quoin {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kScan = "$scan";
+constexpr const char* kVersion = "1";
+constexpr int kMaxExtends = 8; // deeper chains are circles
+
+// A name becomes a folder of the output and one half of "stage.port".
+bool is_name(const std::string& text)
+{
+    const auto allowed = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '-' || c == '_'; };
+    return !text.empty() && std::ranges::all_of(text, allowed) && text.front() != '-';
+}
+
+void read_wire(const YamlEntry& entry, PipelineStage& stage, Problems& problems)
+{
+    if (entry.value.is_null()) {
+        stage.inputs.erase(entry.key);
+        return;
+    }
+    const std::string& text = entry.value.text;
+    const std::size_t dot = text.rfind('.');
+    if (entry.value.is_scalar() && text == kScan)
+        stage.inputs[entry.key] = {"", "", entry.value.position};
+    else if (entry.value.is_scalar() && dot != std::string::npos && dot > 0 && dot + 1 < text.size())
+        stage.inputs[entry.key] = {text.substr(0, dot), text.substr(dot + 1), entry.value.position};
+    else
+        problems.add(entry.value.position,
+                     fmt::format("input '{}' of stage '{}' is expected to come from stage.port or {}", entry.key,
+                                 stage.name, kScan));
+}
+
+void read_params(const YamlNode& map, PipelineStage& stage, Problems& problems)
+{
+    if (map.is_null() || !expect_map(map, fmt::format("the parameters of stage '{}'", stage.name), problems)) return;
+    for (const auto& entry : map.entries) {
+        if (entry.value.is_null())
+            stage.params.erase(entry.key);
+        else if (entry.value.is_scalar())
+            stage.params[entry.key] = {entry.value.text, entry.value.position};
+        else
+            problems.add(entry.value.position, fmt::format("parameter '{}' takes one value", entry.key));
+    }
+}
+
+void read_stage(const YamlNode& map, const fs::path& folder, PipelineStage& stage, Problems& problems)
+{
+    if (!expect_map(map, fmt::format("stage '{}'", stage.name), problems)) return;
+    refuse_unknown_keys(map, {"use", "in", "params"}, "a stage", problems);
+    if (const YamlNode* use = find(map, "use")) {
+        if (use->is_scalar() && !use->text.empty()) {
+            stage.use = use->text;
+            stage.use_position = use->position;
+            stage.use_folder = folder;
+        } else {
+            problems.add(use->position, "'use' is expected to name a stage, or the path of a program");
+        }
+    }
+    if (const YamlNode* in = find(map, "in"); in && !in->is_null() && expect_map(*in, "'in'", problems))
+        for (const auto& entry : in->entries)
+            read_wire(entry, stage, problems);
+    if (const YamlNode* params = find(map, "params")) read_params(*params, stage, problems);
+    if (stage.use.empty())
+        problems.add(stage.position,
+                     fmt::format("stage '{}' does not say which stage it uses (use: NAME)", stage.name));
+}
+
+void read_stages(const YamlNode& map, const fs::path& folder, Pipeline& pipeline, Problems& problems)
+{
+    if (!expect_map(map, "'stages'", problems)) return;
+    for (const auto& entry : map.entries) {
+        if (!is_name(entry.key)) {
+            problems.add(entry.position,
+                         fmt::format("'{}' cannot name a stage: letters, digits, '-' and '_' can", entry.key));
+            continue;
+        }
+        if (entry.value.is_null()) {
+            std::erase_if(pipeline.stages, [&](const PipelineStage& stage) { return stage.name == entry.key; });
+            continue;
+        }
+        if (!pipeline.find(entry.key)) pipeline.stages.emplace_back();
+        PipelineStage& stage = pipeline.find(entry.key) ? *pipeline.find(entry.key) : pipeline.stages.back();
+        stage.name = entry.key;
+        stage.position = entry.position;
+        read_stage(entry.value, folder, stage, problems);
+    }
+}
+
+void check_version(const YamlNode& document, Problems& problems)
+{
+    const YamlNode* version = find(document, "version");
+    if (!version)
+        problems.add(document.position,
+                     fmt::format("the pipeline does not say its version; this build reads 'version: {}'", kVersion));
+    else if (version->text != kVersion)
+        problems.add(version->position, fmt::format("version '{}' of the pipeline format; this build reads version {}",
+                                                    version->text, kVersion));
+}
+
+Pipeline parse(const fs::path& path, const std::string& text, int depth, Problems& problems);
+
+// The pipeline that this one extends, or an empty one.
+Pipeline read_base(const YamlNode& document, const fs::path& folder, int depth, Problems& problems)
+{
+    const YamlNode* extends = find(document, "extends");
+    if (!extends || extends->is_null()) return {};
+    const fs::path path = folder / extends->text;
+    if (!extends->is_scalar() || !fs::is_regular_file(path)) {
+        problems.add(extends->position, fmt::format("{}: no such file", path.string()));
+        return {};
+    }
+    if (depth >= kMaxExtends) {
+        problems.add(extends->position, "pipelines extend each other in a circle");
+        return {};
+    }
+    return parse(path, read_text(path), depth + 1, problems);
+}
+
+Pipeline parse(const fs::path& path, const std::string& text, int depth, Problems& problems)
+{
+    const YamlNode document = parse_yaml(path.string(), text, problems);
+    if (!problems.empty() && document.is_null()) return {};
+    if (!expect_map(document, "a pipeline", problems)) return {};
+    refuse_unknown_keys(document, {"version", "extends", "stages"}, "a pipeline", problems);
+    check_version(document, problems);
+    const fs::path folder = path.parent_path();
+    Pipeline pipeline = read_base(document, folder, depth, problems);
+    pipeline.name = path.stem().string();
+    if (const YamlNode* stages = find(document, "stages")) read_stages(*stages, folder, pipeline, problems);
+    if (pipeline.stages.empty() && problems.empty()) problems.add(document.position, "the pipeline has no stages");
+    return pipeline;
+}
+
+} // namespace
+
+Pipeline parse_pipeline(const fs::path& path, const std::string& text, Problems& problems)
+{
+    return parse(path, text, 0, problems);
+}
+
+Pipeline read_pipeline(const fs::path& path, Problems& problems)
+{
+    if (!fs::is_regular_file(path)) throw UsageError(fmt::format("{}: no such file", path.string()));
+    return parse(path, read_text(path), 0, problems);
+}
+
+void apply_config(Pipeline& pipeline, const fs::path& path, Problems& problems)
+{
+    const YamlNode document = load_yaml(path, problems);
+    if (document.is_null() || !expect_map(document, "a parameter set", problems)) return;
+    for (const auto& entry : document.entries) {
+        if (PipelineStage* stage = pipeline.find(entry.key))
+            read_params(entry.value, *stage, problems);
+        else
+            problems.add(entry.position, fmt::format("the pipeline has no stage '{}'{}", entry.key,
+                                                     hint(entry.key, pipeline.stage_names())));
+    }
+}
+
+void apply_setting(Pipeline& pipeline, const std::string& argument, Problems& problems)
+{
+    const std::size_t equals = argument.find('=');
+    const std::size_t dot = argument.find('.');
+    if (dot == std::string::npos || equals == std::string::npos || dot > equals) {
+        problems.add(argument_position("-S", argument), "expected stage.param=value");
+        return;
+    }
+    const std::string name = argument.substr(0, dot);
+    if (PipelineStage* stage = pipeline.find(name))
+        stage->params[argument.substr(dot + 1, equals - dot - 1)] = {
+            argument.substr(equals + 1), argument_position("-S", argument, static_cast<int>(dot) + 2)};
+    else
+        problems.add(argument_position("-S", argument),
+                     fmt::format("the pipeline has no stage '{}'{}", name, hint(name, pipeline.stage_names())));
+}
+
+void apply_use(Pipeline& pipeline, const std::string& argument, Problems& problems)
+{
+    const std::size_t equals = argument.find('=');
+    if (equals == std::string::npos || equals + 1 == argument.size()) {
+        problems.add(argument_position("--use", argument), "expected stage=PROGRAM");
+        return;
+    }
+    const std::string name = argument.substr(0, equals);
+    PipelineStage* stage = pipeline.find(name);
+    if (!stage) {
+        problems.add(argument_position("--use", argument),
+                     fmt::format("the pipeline has no stage '{}'{}", name, hint(name, pipeline.stage_names())));
+        return;
+    }
+    stage->use = argument.substr(equals + 1);
+    stage->use_folder = fs::current_path();
+    stage->use_position = argument_position("--use", argument, static_cast<int>(equals) + 2);
+}
+
+} // namespace quoin
