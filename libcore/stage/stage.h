@@ -14,8 +14,9 @@
 //         });
 //     }
 //
-// The runner is the only try/catch: it parses the command line, answers --help, --describe and --key, looks into the store,
-// runs the body with threads, memory limit, progress and signals set up, publishes, and turns errors into exit codes.
+// The runner is the only try/catch: it parses the command line, answers --help, --describe and --key, looks into the
+// store, runs the body with threads, memory limit, progress and signals set up, publishes, and turns errors into exit
+// codes.
 #pragma once
 
 #include "artifact/artifact.h"

@@ -1,0 +1,11 @@
+// A stage's description of itself: JSON for programs, text for a person.
+#pragma once
+
+#include "stage/stage.h"
+
+namespace quoin {
+
+std::string describe_json(const Stage& stage, const std::vector<ParamSpec>& params);
+std::string help_text(const Stage& stage, const std::vector<ParamSpec>& params);
+
+} // namespace quoin

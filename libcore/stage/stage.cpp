@@ -1,0 +1,259 @@
+#include "stage/stage.h"
+
+#include "artifact/digest.h"
+#include "base/atomic_file.h"
+#include "base/error.h"
+#include "base/parallel.h"
+#include "base/timer.h"
+#include "stage/command_line.h"
+#include "stage/console_progress.h"
+#include "stage/describe.h"
+#include "stage/signals.h"
+#include "store/manifest.h"
+#include "store/store.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <fmt/format.h>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <sys/resource.h>
+
+namespace quoin {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+// Everything that one run of a stage knows.
+struct StageRun::State {
+    const Stage& stage;
+    const CommandLine& line;
+    std::optional<Store> store;
+    std::map<std::string, InputIdentity> inputs;
+    Key key;
+    std::map<std::string, std::string> outputs; // port -> payload, as they are written
+};
+
+namespace {
+
+using State = StageRun::State;
+
+const Port& output_port(const Stage& stage, const std::string& name)
+{
+    const auto it = std::ranges::find(stage.outputs, name, &Port::name);
+    if (it == stage.outputs.end()) throw std::logic_error("stage " + stage.name + " has no output '" + name + "'");
+    return *it;
+}
+
+std::string versioned(const std::string& schema) { return schema + "/1"; }
+
+InputIdentity identify(const Port& port, const fs::path& path, const std::optional<Store>& store)
+{
+    if (fs::is_directory(path))
+        return {versioned(port.schema_name()), folder_digest(path, store ? store->stat_cache() : fs::path())};
+    if (port.schema_name() == "folder")
+        throw InputError(fmt::format("{}: no such folder (input '{}')", path.string(), port.name));
+    const ArtifactHeader header = read_artifact_header(path);
+    if (header.schema != port.schema_name())
+        throw InputError(fmt::format("{}: holds a '{}'; input '{}' takes a '{}'", path.string(), header.schema,
+                                     port.name, port.schema_name()));
+    return {fmt::format("{}/{}", header.schema, header.schema_version),
+            header.payload.empty() ? read_artifact(path).payload() : header.payload};
+}
+
+Key key_of(const State& state, const std::vector<ParamSpec>& specs)
+{
+    KeyParts parts;
+    parts.stage = state.stage.name;
+    parts.implementation = "builtin/" + state.stage.name;
+    parts.impl_version = state.stage.impl_version;
+    for (const auto& port : state.stage.outputs)
+        parts.outputs[port.name] = versioned(port.schema_name());
+    for (const auto& spec : specs) {
+        const ParamValue& value = state.line.params.at(spec.name);
+        const bool neutral = spec.flags.has_neutral && value == spec.default_value;
+        if (spec.flags.affects_result && !neutral) parts.params[spec.name] = value;
+    }
+    parts.inputs = state.inputs;
+    return make_key(parts);
+}
+
+void limit_memory(std::uint64_t bytes)
+{
+    if (bytes == 0) return;
+    const rlimit limit{bytes, bytes};
+    ::setrlimit(RLIMIT_DATA, &limit);
+}
+
+std::uint64_t peak_memory() // [bytes]
+{
+    rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+Json record_of(const State& state, double seconds)
+{
+    rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    const auto to_seconds = [](const timeval& t) {
+        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+    };
+    Json inputs = Json::object();
+    for (const auto& [port, input] : state.inputs)
+        inputs[port] = input.payload;
+    return {{"stage", state.stage.name},
+            {"impl_version", state.stage.impl_version},
+            {"key", state.key.hex},
+            {"cached", false},
+            {"seconds", seconds},
+            {"cpu_seconds", to_seconds(usage.ru_utime) + to_seconds(usage.ru_stime)},
+            {"peak_memory_bytes", peak_memory()},
+            {"threads", thread_count()},
+            {"inputs", inputs},
+            {"outputs", state.outputs},
+            {"params", Json::parse(params_json(state.line.params))}};
+}
+
+void write_record(const CommandLine& line, const Json& record)
+{
+    if (!line.record.empty()) write_atomically(line.record, record.dump(2) + "\n");
+}
+
+// True when the store had the result and the outputs are in their places.
+bool serve_from_store(const State& state)
+{
+    const auto entry = state.store->find(state.key);
+    if (!entry) return false;
+    for (const auto& [port, place] : state.line.outputs) {
+        const auto payload = entry->outputs.find(port);
+        if (payload == entry->outputs.end()) return false;
+        state.store->link(payload->second, place);
+    }
+    Json record = Json::parse(entry->record_json);
+    record["cached"] = true;
+    record["key"] = state.key.hex;
+    record["outputs"] = entry->outputs;
+    write_record(state.line, record);
+    return true;
+}
+
+void compute(State& state, const StageBody& body)
+{
+    const Timer timer;
+    const ConsoleProgress progress(state.line.progress, state.stage.name);
+    body(StageRun(state), state.line.params);
+    for (const auto& [port, place] : state.line.outputs)
+        if (!state.outputs.contains(port))
+            throw std::logic_error("stage " + state.stage.name + " did not write '" + port + "'");
+    const Json record = record_of(state, timer.seconds());
+    if (state.store) {
+        state.store->publish(state.key, {state.outputs, record.dump()});
+        for (const auto& [port, place] : state.line.outputs)
+            state.store->link(state.outputs.at(port), place);
+    }
+    write_record(state.line, record);
+}
+
+void run(const Stage& stage, const std::vector<ParamSpec>& specs, const CommandLine& line, const StageBody& body)
+{
+    set_log_level(line.log_level);
+    set_thread_count(line.threads);
+    limit_memory(line.memory);
+    State state{stage, line, {}, {}, {}, {}};
+    if (line.cache != CacheMode::Off) state.store.emplace(line.store);
+    for (const auto& port : stage.inputs)
+        if (const auto it = line.inputs.find(port.name); it != line.inputs.end())
+            state.inputs[port.name] = identify(port, it->second, state.store);
+    state.key = key_of(state, specs);
+    if (line.key) {
+        fmt::print("{}\n{}\n", state.key.hex, state.key.json);
+        return;
+    }
+    if (!state.store) return compute(state, body);
+    if (serve_from_store(state)) return;
+    if (line.cache == CacheMode::Only)
+        throw Error(ExitCode::Impossible,
+                    fmt::format("{}: the store has no result for this key ({}); run it with --cache auto", stage.name,
+                                state.key.hex));
+    const Store::Lease lease(*state.store, state.key);
+    if (!serve_from_store(state)) compute(state, body);
+}
+
+int report(const std::string& stage, ExitCode code, const std::string& message)
+{
+    remove_unfinished_files();
+    fmt::print(stderr, "{}: error: {}\n", stage, message);
+    return static_cast<int>(code);
+}
+
+} // namespace
+
+const fs::path& StageRun::in(const std::string& port) const { return state_->line.inputs.at(port); }
+bool StageRun::has(const std::string& port) const { return state_->line.inputs.contains(port); }
+bool StageRun::wants(const std::string& port) const { return state_->store || state_->line.outputs.contains(port); }
+const fs::path& StageRun::scan_root() const { return state_->line.scan_root; }
+
+void StageRun::write_artifact_to(const std::string& port, Artifact artifact) const
+{
+    output_port(state_->stage, port);
+    if (!wants(port)) return;
+    Json inputs = Json::object();
+    for (const auto& [name, input] : state_->inputs)
+        inputs[name] = {{"schema", input.schema}, {"payload", input.payload}};
+    const std::string payload = artifact.payload();
+    artifact.metadata = {{"quoin.key", state_->key.hex},
+                         {"quoin.stage", state_->stage.name},
+                         {"quoin.impl_version", std::to_string(state_->stage.impl_version)},
+                         {"quoin.params", params_json(state_->line.params)},
+                         {"quoin.inputs", inputs.dump()},
+                         {"quoin.payload", payload}};
+    state_->outputs[port] = payload;
+    if (!state_->store) return write_artifact(state_->line.outputs.at(port), artifact);
+    const TemporaryPath temporary(state_->store->temporary_place(port));
+    write_artifact(temporary.path(), artifact);
+    state_->store->adopt(temporary.path(), payload);
+}
+
+void StageRun::write_folder(const std::string& port, const std::function<void(const fs::path&)>& fill) const
+{
+    output_port(state_->stage, port);
+    if (!wants(port)) return;
+    if (!state_->store) {
+        write_folder_atomically(state_->line.outputs.at(port), fill);
+        state_->outputs[port] = folder_digest(state_->line.outputs.at(port), {});
+        return;
+    }
+    const TemporaryPath temporary(state_->store->temporary_place(port));
+    write_folder_atomically(temporary.path(), fill);
+    state_->outputs[port] = folder_digest(temporary.path(), {});
+    state_->store->adopt(temporary.path(), state_->outputs[port]);
+}
+
+int run_stage(const Stage& stage, const std::vector<ParamSpec>& params, int argc, char** argv, const StageBody& body)
+{
+    try {
+        handle_signals();
+        const CommandLine line = parse_command_line(stage, params, argc, argv);
+        if (line.help)
+            fmt::print("{}", help_text(stage, params));
+        else if (line.describe)
+            fmt::print("{}\n", describe_json(stage, params));
+        else
+            run(stage, params, line, body);
+        return static_cast<int>(ExitCode::Done);
+    } catch (const Error& error) {
+        return report(stage.name, error.code(), error.what());
+    } catch (const std::bad_alloc&) {
+        return report(stage.name, ExitCode::Resources,
+                      "out of memory; give it more with --memory, or make the input smaller");
+    } catch (const fs::filesystem_error& error) {
+        const bool full = error.code() == std::errc::no_space_on_device;
+        return report(stage.name, full ? ExitCode::Resources : ExitCode::Input, error.what());
+    } catch (const std::exception& error) {
+        return report(stage.name, ExitCode::Impossible,
+                      fmt::format("internal error: {}; please report it with this command line", error.what()));
+    }
+}
+
+} // namespace quoin
