@@ -1,0 +1,176 @@
+#include "partition/cluster_graph.h"
+
+#include "base/parallel.h"
+#include "geometry/pca_energy.h"
+#include "mesh/adjacency.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace quoin {
+namespace {
+
+constexpr std::size_t kGrain = 16384;
+// Faces of a non-manifold edge are linked to this many of their successors; farther ones are neighbours through those.
+constexpr std::size_t kFanReach = 8;
+
+Cluster cluster_of_face(const TriangleMesh& mesh, FaceId f, const Eigen::Vector3d& origin)
+{
+    const Eigen::Vector3d a = corner(mesh, f, 0) - origin, b = corner(mesh, f, 1) - origin,
+                          c = corner(mesh, f, 2) - origin;
+    // The energy of a single face is zero: it is flat.
+    return {triangle_moments(a, b, c), 0.0, (0.5 * (b - a).cross(c - a)).cast<float>()};
+}
+
+void add_edge(std::vector<ClusterEdge>& edges, ClusterId a, ClusterId b)
+{
+    if (a != b) edges.push_back({std::min(a, b), std::max(a, b), kUnknownCost});
+}
+
+struct FanEdge {
+    std::pair<VertexId, VertexId> vertices;
+    FaceId face;
+    auto operator<=>(const FanEdge&) const = default;
+};
+
+void add_fans(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite, std::vector<ClusterEdge>& edges)
+{
+    std::vector<FanEdge> fans;
+    for (std::uint32_t h = 0; h < opposite.size(); ++h) {
+        if (opposite[h] != kNonManifoldEdge) continue;
+        const auto& face = mesh.face[h / 3];
+        fans.push_back({std::minmax({face[h % 3], face[(h % 3 + 1) % 3]}), h / 3});
+    }
+    std::sort(fans.begin(), fans.end());
+    for (std::size_t i = 0; i < fans.size(); ++i)
+        for (std::size_t j = i + 1; j < fans.size() && j <= i + kFanReach && fans[j].vertices == fans[i].vertices; ++j)
+            add_edge(edges, fans[i].face, fans[j].face);
+}
+
+// Edges sorted by their ends, each pair once. Of equal edges the one that comes first stays.
+void sort_and_unique(std::vector<ClusterEdge>& edges, std::size_t clusters)
+{
+    std::vector<std::uint32_t> next(clusters + 1, 0);
+    for (const auto& edge : edges)
+        ++next[edge.a + 1];
+    for (std::size_t c = 0; c < clusters; ++c)
+        next[c + 1] += next[c];
+    std::vector<ClusterEdge> sorted(edges.size());
+    for (const auto& edge : edges)
+        sorted[next[edge.a]++] = edge;
+    edges.clear();
+    for (std::size_t begin = 0; begin < sorted.size();) {
+        std::size_t end = begin;
+        while (end < sorted.size() && sorted[end].a == sorted[begin].a)
+            ++end;
+        const auto first = sorted.begin() + static_cast<std::ptrdiff_t>(begin),
+                   last = sorted.begin() + static_cast<std::ptrdiff_t>(end);
+        std::stable_sort(first, last, [](const auto& x, const auto& y) { return x.b < y.b; });
+        std::unique_copy(first, last, std::back_inserter(edges),
+                         [](const auto& x, const auto& y) { return x.b == y.b; });
+        begin = end;
+    }
+}
+
+Eigen::Vector3d center_of(const TriangleMesh& mesh)
+{
+    Eigen::AlignedBox3f box;
+    for (const auto& face : mesh.face)
+        for (const VertexId v : face)
+            box.extend(mesh.position[v]);
+    return box.isEmpty() ? Eigen::Vector3d::Zero() : Eigen::Vector3d(box.center().cast<double>());
+}
+
+} // namespace
+
+ClusterGraph clusters_of_faces(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite,
+                               const MergeLimits& limits)
+{
+    ClusterGraph graph;
+    graph.origin = center_of(mesh);
+    graph.limits = limits;
+    graph.count = mesh.face.size();
+    graph.cluster.resize(graph.count);
+    graph.parent.resize(graph.count);
+    parallel_for(
+        graph.count,
+        [&](std::size_t f) {
+            graph.cluster[f] = cluster_of_face(mesh, static_cast<FaceId>(f), graph.origin);
+            graph.parent[f] = static_cast<ClusterId>(f);
+        },
+        kGrain);
+    graph.edge.reserve(opposite.size() / 2);
+    for (std::uint32_t h = 0; h < opposite.size(); ++h)
+        if (opposite[h] != kNonManifoldEdge && opposite[h] != kBorderEdge && h < opposite[h])
+            add_edge(graph.edge, h / 3, opposite[h] / 3);
+    add_fans(mesh, opposite, graph.edge);
+    sort_and_unique(graph.edge, graph.count);
+    return graph;
+}
+
+bool within_limits(const Moments& sum, const Eigen::Vector3f& facing, const MergeLimits& limits)
+{
+    if (facing.norm() < limits.min_facing * sum.area) return false;
+    if (!std::isfinite(limits.max_error)) return true;
+    const Invariants i = invariants(sum);
+    const double max_variance = limits.max_error * limits.max_error;
+    if (i.most_variance() <= max_variance) return true;
+    return i.least_variance() <= max_variance && rms_to_fit(sum) <= limits.max_error;
+}
+
+double merge_cost(const ClusterGraph& graph, ClusterId a, ClusterId b)
+{
+    const Cluster &x = graph.cluster[a], &y = graph.cluster[b];
+    const Moments sum = x.sum + y.sum;
+    if (!within_limits(sum, x.facing + y.facing, graph.limits)) return kForbidden;
+    const double cost = pca_energy(sum, graph.limits.flat_variance) - x.energy - y.energy;
+    return std::isfinite(cost) ? cost : kForbidden;
+}
+
+void join(ClusterGraph& graph, ClusterId a, ClusterId b)
+{
+    Cluster& cluster = graph.cluster[a];
+    cluster.sum += graph.cluster[b].sum;
+    cluster.facing += graph.cluster[b].facing;
+    cluster.energy = pca_energy(cluster.sum, graph.limits.flat_variance);
+    graph.parent[b] = a;
+}
+
+void rewire(ClusterGraph& graph, const std::vector<std::uint8_t>& changed)
+{
+    parallel_for(
+        graph.edge.size(),
+        [&](std::size_t i) {
+            ClusterEdge& edge = graph.edge[i];
+            const ClusterId a = graph.parent[edge.a], b = graph.parent[edge.b];
+            edge.a = std::min(a, b);
+            edge.b = std::max(a, b);
+            if (changed[a] || changed[b]) edge.cost = kUnknownCost;
+        },
+        kGrain);
+    std::erase_if(graph.edge, [](const ClusterEdge& edge) { return edge.a == edge.b; });
+    sort_and_unique(graph.edge, graph.cluster.size());
+}
+
+std::vector<std::uint32_t> cluster_labels(const ClusterGraph& graph)
+{
+    constexpr std::uint32_t kUnseen = 0xffffffffu;
+    std::vector<ClusterId> parent = graph.parent;
+    const auto root_of = [&](ClusterId c) {
+        while (parent[c] != c)
+            c = parent[c] = parent[parent[c]];
+        return c;
+    };
+    std::vector<std::uint32_t> label_of_root(parent.size(), kUnseen), label(parent.size());
+    std::uint32_t count = 0;
+    for (ClusterId f = 0; f < label.size(); ++f) {
+        std::uint32_t& root_label = label_of_root[root_of(f)];
+        if (root_label == kUnseen) root_label = count++;
+        label[f] = root_label;
+    }
+    return label;
+}
+
+} // namespace quoin

@@ -1,0 +1,75 @@
+// Clusters of faces and which of them are neighbours: the state that every way to grow clusters works on.
+#pragma once
+
+#include "geometry/moments.h"
+#include "mesh/triangle_mesh.h"
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace quoin {
+
+using ClusterId = std::uint32_t; // of one of its faces, the root
+
+struct Cluster {
+    Moments sum;                                      // about ClusterGraph::origin
+    double energy = 0.0;                              // of `sum` [m^4]
+    Eigen::Vector3f facing = Eigen::Vector3f::Zero(); // sum of the faces' areas along their normals [m^2]
+};
+
+struct ClusterEdge {
+    ClusterId a = 0, b = 0; // a < b
+    double cost = 0.0;      // of joining them [m^4]; kUnknownCost until asked for
+};
+inline constexpr double kUnknownCost = std::numeric_limits<double>::quiet_NaN();
+inline constexpr double kForbidden = std::numeric_limits<double>::infinity();
+
+struct MergeLimits {
+    double max_error = kForbidden; // largest RMS distance of a union to its plane [m]
+    double min_facing = 0.0;       // least |facing| / area of a union
+    double flat_variance = 0.0;    // [m^2], see pca_energy
+};
+
+struct ClusterGraph {
+    Eigen::Vector3d origin = Eigen::Vector3d::Zero(); // near the mesh, so that moments keep their digits
+    MergeLimits limits;
+    std::vector<Cluster> cluster;  // F; roots count
+    std::vector<ClusterId> parent; // F; leads to the root
+    std::vector<ClusterEdge> edge; // neighbouring roots, each pair once
+    std::size_t count = 0;         // clusters left
+};
+
+// Every face a cluster of its own. opposite: opposite_half_edges(mesh).
+ClusterGraph clusters_of_faces(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite,
+                               const MergeLimits& limits);
+
+// E(a + b) - E(a) - E(b) [m^4], or kForbidden where the union breaks a limit.
+double merge_cost(const ClusterGraph& graph, ClusterId a, ClusterId b);
+bool within_limits(const Moments& sum, const Eigen::Vector3f& facing, const MergeLimits& limits);
+
+// b becomes a part of a; edges stay as they are.
+void join(ClusterGraph& graph, ClusterId a, ClusterId b);
+
+// Sends edges to the roots of their ends, drops those inside a cluster and all but one of each pair. Costs of edges
+// with a changed end are kUnknownCost. The parent of an edge's end must be a root.
+void rewire(ClusterGraph& graph, const std::vector<std::uint8_t>& changed);
+
+// Breaks ties of equal cost. A hash, for on flat walls all costs are equal, and by index every cluster would choose the
+// same neighbour as the one before it: mutual choices become rare and the rounds never end.
+inline std::uint64_t pair_hash(ClusterId a, ClusterId b)
+{
+    std::uint64_t x = (std::uint64_t{a} << 32) | b; // splitmix64, one-to-one: the order of pairs is total
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+    return x ^ (x >> 31);
+}
+inline bool cheaper(const ClusterEdge& x, const ClusterEdge& y)
+{
+    return x.cost != y.cost ? x.cost < y.cost : pair_hash(x.a, x.b) < pair_hash(y.a, y.b);
+}
+
+// Compact cluster ids of all faces, in the order of the clusters' first faces.
+std::vector<std::uint32_t> cluster_labels(const ClusterGraph& graph);
+
+} // namespace quoin

@@ -1,0 +1,122 @@
+#include "partition/partition.h"
+
+#include "base/error.h"
+#include "base/log.h"
+#include "mesh/adjacency.h"
+#include "mesh/plane_fit.h"
+#include "partition/cluster_graph.h"
+#include "partition/grow_regions.h"
+#include "partition/merge_heap.h"
+#include "partition/merge_rounds.h"
+#include "partition/refine_borders.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <numbers>
+
+namespace quoin {
+namespace {
+
+void check_vertex(const TriangleMesh& mesh, FaceId f, VertexId v)
+{
+    if (v >= mesh.position.size())
+        throw InputError(
+            fmt::format("mesh: face {} uses vertex {}, but there are {} vertices; the mesh is damaged, make it anew", f,
+                        v, mesh.position.size()));
+    if (!mesh.position[v].allFinite())
+        throw InputError(fmt::format(
+            "mesh: face {} uses vertex {}, whose position is not finite; clean the mesh up first, as 'fuse' does", f,
+            v));
+}
+
+void require_partitionable(const TriangleMesh& mesh)
+{
+    double area = 0.0;
+    for (FaceId f = 0; f < mesh.face.size(); ++f) {
+        for (const VertexId v : mesh.face[f])
+            check_vertex(mesh, f, v);
+        area += face_area(mesh, f);
+    }
+    if (!(area > 0.0))
+        throw ImpossibleError(
+            fmt::format("mesh: none of its {} faces has an area, so there is no plane to find; check the scan's depth",
+                        mesh.face.size()));
+}
+
+MergeLimits limits_of(const TriangleMesh& mesh, const PartitionParams& params)
+{
+    constexpr double kRounding = 1e-7; // of single precision coordinates
+    Eigen::AlignedBox3d box;
+    for (FaceId f = 0; f < mesh.face.size(); ++f)
+        for (int k = 0; k < 3; ++k)
+            box.extend(corner(mesh, f, k));
+    const double rounding = kRounding * box.diagonal().norm();
+    return {params.clusters > 0 ? kForbidden : params.max_error, params.min_facing, rounding * rounding};
+}
+
+// Clusters at which the rounds hand over to the exact heap. The heap alone decides about the last `round_reserve` times
+// the target, where the greedy order matters: the energy stays within 1 % of the exact one.
+std::size_t handover(std::size_t faces, const PartitionParams& params)
+{
+    return std::max(faces / static_cast<std::size_t>(params.round_faces),
+                    static_cast<std::size_t>(params.round_reserve) * static_cast<std::size_t>(params.clusters));
+}
+
+std::vector<PlaneId> grow_clusters(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite,
+                                   const MergeLimits& limits, const PartitionParams& params)
+{
+    ClusterGraph graph = clusters_of_faces(mesh, opposite, limits);
+    if (params.method == GrowthMethod::Hybrid) merge_in_rounds(graph, handover(graph.count, params));
+    if (params.method == GrowthMethod::RegionGrowing)
+        grow_regions(graph, opposite, {params.max_error, std::cos(params.grow_angle * std::numbers::pi / 180.0)});
+    merge_by_heap(graph, static_cast<std::size_t>(std::max(1, params.clusters)));
+    return cluster_labels(graph);
+}
+
+void refine(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite, const MergeLimits& limits,
+            const PartitionParams& params, std::vector<PlaneId>& face_plane)
+{
+    if (params.refine_rounds == 0) return;
+    refine_borders(mesh, opposite,
+                   {static_cast<double>(params.refine_rounds), params.border_distance, limits.max_error,
+                    limits.min_facing, limits.flat_variance},
+                   face_plane);
+}
+
+std::vector<Moments> sum_moments(const TriangleMesh& mesh, const std::vector<PlaneId>& face_plane, std::size_t planes)
+{
+    std::vector<Moments> moments(planes);
+    for (FaceId f = 0; f < mesh.face.size(); ++f)
+        moments[face_plane[f]] += triangle_moments(corner(mesh, f, 0), corner(mesh, f, 1), corner(mesh, f, 2));
+    return moments;
+}
+
+PlaneMesh with_planes(const TriangleMesh& mesh, std::vector<PlaneId> face_plane, const RobustFit& fit)
+{
+    const std::size_t planes = 1 + *std::max_element(face_plane.begin(), face_plane.end());
+    PlaneMesh result;
+    result.mesh = mesh;
+    result.plane = fit_planes(mesh, face_plane, planes, fit);
+    result.moments = sum_moments(mesh, face_plane, planes);
+    result.vertex_class = classify_vertices(mesh, face_plane);
+    result.face_plane = std::move(face_plane);
+    return result;
+}
+
+} // namespace
+
+PlaneMesh partition(const TriangleMesh& mesh, const PartitionParams& params)
+{
+    require_partitionable(mesh);
+    const auto opposite = opposite_half_edges(mesh);
+    const MergeLimits limits = limits_of(mesh, params);
+    std::vector<PlaneId> face_plane = grow_clusters(mesh, opposite, limits, params);
+    refine(mesh, opposite, limits, params, face_plane);
+    PlaneMesh result = with_planes(mesh, std::move(face_plane), {params.robust_rounds, params.tukey});
+    log_info(fmt::format("{} faces in {} clusters", result.mesh.face.size(), result.plane.size()));
+    return result;
+}
+
+} // namespace quoin

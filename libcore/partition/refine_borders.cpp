@@ -1,0 +1,230 @@
+#include "partition/refine_borders.h"
+
+#include "base/progress.h"
+#include "geometry/pca_energy.h"
+#include "mesh/adjacency.h"
+
+#include <Eigen/Geometry>
+#include <array>
+#include <cmath>
+#include <deque>
+
+namespace quoin {
+namespace {
+
+struct Region {
+    Moments sum; // about the mesh's centre
+    Eigen::Vector3d facing = Eigen::Vector3d::Zero();
+    double energy = 0.0;
+    std::uint32_t faces = 0;
+};
+
+struct Move {
+    std::uint32_t to = 0;
+    double gain = 0.0; // how much the objective falls [m^4]
+};
+
+bool is_face(std::uint32_t half_edge) { return half_edge != kBorderEdge && half_edge != kNonManifoldEdge; }
+
+class Refiner {
+public:
+    Refiner(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite, const RefineLimits& limits,
+            std::vector<std::uint32_t>& label)
+        : mesh_(mesh), opposite_(opposite), limits_(limits), label_(label),
+          border_weight_(border_weight(mesh, limits.border_distance)), queued_(label.size(), 0)
+    {
+        origin_ = corner(mesh, 0, 0);
+        for (FaceId f = 0; f < label.size(); ++f)
+            add(f, label[f]);
+        for (auto& region : regions_)
+            region.energy = energy(region.sum);
+        for (FaceId f = 0; f < label.size(); ++f)
+            if (on_border(f)) enqueue(f);
+    }
+
+    void run()
+    {
+        const auto budget = static_cast<std::size_t>(limits_.rounds * static_cast<double>(queue_.size()));
+        Progress progress("refining borders", budget);
+        for (std::size_t tried = 0; tried < budget && !queue_.empty(); ++tried) {
+            const FaceId f = queue_.front();
+            queue_.pop_front();
+            queued_[f] = 0;
+            if (regions_[label_[f]].faces < 2) continue;
+            const Move move = best_move(f);
+            if (move.gain > 0.0 && stays_connected(f) && acceptable(f, move.to)) apply(f, move.to);
+        }
+        progress.step(budget);
+    }
+
+private:
+    double energy(const Moments& sum) const { return pca_energy(sum, limits_.flat_variance); }
+    Moments moments(FaceId f) const
+    {
+        return triangle_moments(corner(mesh_, f, 0) - origin_, corner(mesh_, f, 1) - origin_,
+                                corner(mesh_, f, 2) - origin_);
+    }
+    // Energy of a region of that many faces; a single face is flat by definition.
+    double energy_of(const Moments& sum, std::uint32_t faces) const { return faces < 2 ? 0.0 : energy(sum); }
+
+    void add(FaceId f, std::uint32_t label)
+    {
+        if (label >= regions_.size()) regions_.resize(label + 1);
+        Region& region = regions_[label];
+        region.sum += moments(f);
+        region.facing += 0.5 * area_vector(mesh_, f);
+        ++region.faces;
+    }
+
+    bool on_border(FaceId f) const
+    {
+        for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h)
+            if (is_face(opposite_[h]) && label_[opposite_[h] / 3] != label_[f]) return true;
+        return false;
+    }
+
+    void enqueue(FaceId f)
+    {
+        if (queued_[f]) return;
+        queued_[f] = 1;
+        queue_.push_back(f);
+    }
+
+    double edge_length(std::uint32_t h) const
+    {
+        return (corner(mesh_, h / 3, static_cast<int>((h % 3 + 1) % 3)) - corner(mesh_, h / 3, static_cast<int>(h % 3)))
+            .norm();
+    }
+
+    // Length of the face's edges towards a cluster [m].
+    double shared_length(FaceId f, std::uint32_t label) const
+    {
+        double length = 0.0;
+        for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h)
+            if (is_face(opposite_[h]) && opposite_[h] / 3 != f && label_[opposite_[h] / 3] == label)
+                length += edge_length(h);
+        return length;
+    }
+
+    Move best_move(FaceId f) const
+    {
+        const std::uint32_t from = label_[f];
+        const Region& source = regions_[from];
+        const Moments face = moments(f);
+        const double left = source.energy - energy_of(source.sum - face, source.faces - 1);
+        const double length_inside = shared_length(f, from);
+        Move best{from, 0.0};
+        for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h) {
+            if (!is_face(opposite_[h])) continue;
+            const std::uint32_t to = label_[opposite_[h] / 3];
+            if (to == from || (to == best.to && best.gain > 0.0)) continue;
+            const Region& target = regions_[to];
+            const double shortened = shared_length(f, to) - length_inside;
+            const double gain = left + target.energy - energy(target.sum + face) + border_weight_ * shortened;
+            if (gain > best.gain || (gain == best.gain && gain > 0.0 && to < best.to)) best = {to, gain};
+        }
+        return best;
+    }
+
+    // Do the neighbours of f in its own cluster hang together without f, going around its corners?
+    bool stays_connected(FaceId f) const
+    {
+        int neighbours = 0, linked = 0;
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const std::uint32_t h = opposite_[3 * f + k];
+            if (h == kNonManifoldEdge) return false; // a neighbour may hang on this edge
+            if (same_cluster(f, h)) ++neighbours;
+        }
+        for (std::uint32_t k = 0; k < 3; ++k)
+            linked += linked_around(f, k);
+        return neighbours < 2 || linked >= neighbours - 1;
+    }
+
+    bool same_cluster(FaceId f, std::uint32_t half_edge) const
+    {
+        return is_face(half_edge) && half_edge / 3 != f && label_[half_edge / 3] == label_[f];
+    }
+
+    // Can one walk around corner k of f from one neighbour to the other without leaving the cluster?
+    bool linked_around(FaceId f, std::uint32_t k) const
+    {
+        const VertexId pivot = mesh_.face[f][k];
+        std::uint32_t entered = opposite_[3 * f + k]; // the half-edge through which the walk came into its face
+        const std::uint32_t goal = opposite_[3 * f + (k + 2) % 3];
+        if (!same_cluster(f, entered) || !same_cluster(f, goal)) return false;
+        for (FaceId g = entered / 3; g != goal / 3;) {
+            const std::uint32_t leave = other_edge_at(pivot, entered);
+            entered = opposite_[leave];
+            if (!same_cluster(f, entered)) return false;
+            g = entered / 3;
+        }
+        return true;
+    }
+
+    // The other half-edge of the same face that ends in the vertex.
+    std::uint32_t other_edge_at(VertexId v, std::uint32_t h) const
+    {
+        const std::uint32_t base = h - h % 3, k = h % 3;
+        return mesh_.face[h / 3][k] == v ? base + (k + 2) % 3 : base + (k + 1) % 3;
+    }
+
+    bool acceptable(FaceId f, std::uint32_t to) const
+    {
+        const Region& target = regions_[to];
+        const Moments sum = target.sum + moments(f);
+        if ((target.facing + 0.5 * area_vector(mesh_, f)).norm() < limits_.min_facing * sum.area) return false;
+        if (!std::isfinite(limits_.max_error)) return true;
+        return rms_to_fit(sum) <= std::max(limits_.max_error, rms_to_fit(target.sum));
+    }
+
+    void apply(FaceId f, std::uint32_t to)
+    {
+        const Moments face = moments(f);
+        const Eigen::Vector3d facing = 0.5 * area_vector(mesh_, f);
+        Region &source = regions_[label_[f]], &target = regions_[to];
+        source.sum -= face;
+        source.facing -= facing;
+        source.energy = energy_of(source.sum, --source.faces);
+        target.sum += face;
+        target.facing += facing;
+        target.energy = energy_of(target.sum, ++target.faces);
+        label_[f] = to;
+        if (on_border(f)) enqueue(f);
+        for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h)
+            if (is_face(opposite_[h]) && on_border(opposite_[h] / 3)) enqueue(opposite_[h] / 3);
+    }
+
+    const TriangleMesh& mesh_;
+    const std::vector<std::uint32_t>& opposite_;
+    const RefineLimits& limits_;
+    std::vector<std::uint32_t>& label_;
+    double border_weight_;
+    Eigen::Vector3d origin_;
+    std::vector<Region> regions_;
+    std::deque<FaceId> queue_;
+    std::vector<std::uint8_t> queued_;
+};
+
+} // namespace
+
+double border_weight(const TriangleMesh& mesh, double border_distance)
+{
+    constexpr double kEnergyOfSquare = 144.0; // E = A s^2 / 144
+    double area = 0.0, length = 0.0;
+    for (FaceId f = 0; f < mesh.face.size(); ++f) {
+        area += face_area(mesh, f);
+        for (int k = 0; k < 3; ++k)
+            length += (corner(mesh, f, (k + 1) % 3) - corner(mesh, f, k)).norm();
+    }
+    if (length <= 0.0) return 0.0;
+    const double area_per_length = area / (length / 3.0); // mean face over mean edge
+    return area_per_length * border_distance * border_distance / kEnergyOfSquare;
+}
+
+void refine_borders(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite, const RefineLimits& limits,
+                    std::vector<std::uint32_t>& label)
+{
+    if (!mesh.face.empty()) Refiner(mesh, opposite, limits, label).run();
+}
+
+} // namespace quoin
