@@ -7,6 +7,7 @@
 #include "image/image.h"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -56,6 +57,7 @@ public:
     GrayImage gray(FrameId id) const;   // luma of color()
     DepthImage depth(FrameId id)
         const; // [m], 0 = missing (0 and 65535 in the file), size of scan.depth; empty if the frame has none
+    std::vector<std::byte> bytes(const ScanFile& file) const; // any other file of the scan, such as its dense mesh
     const Scan& scan() const { return *scan_; }
 
 private:

@@ -71,6 +71,8 @@ ColorImage ScanImages::color(FrameId id) const
     return is_distorted(scan_->color) ? undistort(image, scan_->color) : image;
 }
 
+std::vector<std::byte> ScanImages::bytes(const ScanFile& file) const { return read_checked(root_ / file.name, file); }
+
 GrayImage ScanImages::gray(FrameId id) const { return to_gray(color(id)); }
 
 DepthImage ScanImages::depth(FrameId id) const
