@@ -2,7 +2,6 @@
 
 #include "base/error.h"
 
-#include <fmt/format.h>
 #include <openssl/evp.h>
 
 namespace quoin {
@@ -15,14 +14,6 @@ Sha256 sha256(std::span<const std::byte> bytes)
         size != digest.size())
         throw ResourceError("OpenSSL cannot compute a SHA-256");
     return digest;
-}
-
-std::string to_hex(const Sha256& digest)
-{
-    std::string text;
-    for (const std::uint8_t byte : digest)
-        text += fmt::format("{:02x}", byte);
-    return text;
 }
 
 } // namespace quoin
