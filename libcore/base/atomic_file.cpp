@@ -24,7 +24,7 @@ std::vector<fs::path> unfinished;
 [[noreturn]] void fail(const fs::path& path, const char* doing, int error)
 {
     const std::string message = path.string() + ": " + doing + ": " + std::strerror(error);
-    if (error == ENOSPC || error == EDQUOT || error == EIO || error == ENOMEM) throw ResourceError(message + "; nothing was left half-written");
+    if (error == ENOSPC || error == EDQUOT || error == EFBIG || error == EIO || error == ENOMEM) throw ResourceError(message + "; nothing was left half-written");
     throw InputError(message);
 }
 

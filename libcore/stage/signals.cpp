@@ -17,6 +17,7 @@ void handle_signals()
         sigaddset(&signals, number);
     pthread_sigmask(SIG_BLOCK, &signals, nullptr);
     std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN); // write() then says EFBIG, and the message names the file
     std::thread([signals] {
         int number = 0;
         sigwait(&signals, &number);

@@ -1,0 +1,152 @@
+#include "store/store.h"
+
+#include "base/atomic_file.h"
+#include "store/manifest.h"
+#include "support/expect_error.h"
+#include "support/temporary_folder.h"
+
+#include <gmock/gmock.h>
+#include <thread>
+
+namespace quoin {
+namespace {
+
+namespace fs = std::filesystem;
+using test::error_of;
+using test::TemporaryFolder;
+using ::testing::HasSubstr;
+
+KeyParts some_parts()
+{
+    return {"merge",
+            "builtin/merge",
+            1,
+            {{"plane_mesh", "plane_mesh/1"}},
+            {{"angle", 15.0}},
+            {{"plane_mesh", {"plane_mesh/1", "aa"}}}};
+}
+
+// A store that holds one object under the key of some_parts().
+void fill(const Store& store, const TemporaryFolder& folder, const std::string& text, const std::string& payload)
+{
+    write_atomically(folder / "object", text);
+    store.adopt(folder / "object", payload);
+    store.publish(make_key(some_parts()), {{{"plane_mesh", payload}}, "{}"});
+}
+
+TEST(Key, DependsOnEverythingThatTheResultDependsOn)
+{
+    const std::string key = make_key(some_parts()).hex;
+    auto changed = [&](auto change) {
+        KeyParts parts = some_parts();
+        change(parts);
+        return make_key(parts).hex != key;
+    };
+    EXPECT_FALSE(changed([](KeyParts&) {}));
+    EXPECT_TRUE(changed([](KeyParts& p) { p.params["angle"] = 16.0; }));
+    EXPECT_TRUE(changed([](KeyParts& p) { p.impl_version = 2; }));
+    EXPECT_TRUE(changed([](KeyParts& p) { p.inputs["plane_mesh"].payload = "bb"; }));
+    EXPECT_TRUE(changed([](KeyParts& p) { p.stage = "other"; }));
+}
+
+TEST(Store, FindsWhatWasPublishedAndLinksIt)
+{
+    const TemporaryFolder folder;
+    const Store store(folder / "store");
+    EXPECT_FALSE(store.find(make_key(some_parts())).has_value());
+    fill(store, folder, "hello", "1234");
+    ASSERT_TRUE(store.find(make_key(some_parts())).has_value());
+    store.link("1234", folder / "out/result");
+    store.link("1234", folder / "out/result"); // again over itself
+    EXPECT_EQ(read_text(folder / "out/result"), "hello");
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder / "out"), {}), 1);
+}
+
+TEST(Store, AnEntryWithoutItsObjectIsNoEntry)
+{
+    const TemporaryFolder folder;
+    const Store store(folder / "store");
+    fill(store, folder, "hello", "1234");
+    fs::remove(store.object("1234"));
+    EXPECT_FALSE(store.find(make_key(some_parts())).has_value());
+    fill(store, folder, "hello", "1234");
+    EXPECT_TRUE(store.find(make_key(some_parts())).has_value());
+}
+
+TEST(Store, ADamagedEntryIsComputedAgain)
+{
+    const TemporaryFolder folder;
+    const Store store(folder / "store");
+    fill(store, folder, "hello", "1234");
+    for (const auto& entry : fs::recursive_directory_iterator(folder / "store/v1/ac"))
+        if (entry.is_regular_file()) write_atomically(entry.path(), std::string_view("{"));
+    EXPECT_FALSE(store.find(make_key(some_parts())).has_value());
+    fill(store, folder, "hello", "1234");
+    EXPECT_TRUE(store.find(make_key(some_parts())).has_value());
+}
+
+TEST(Store, TwoResultsOfOneKeyAreALoudError)
+{
+    const TemporaryFolder folder;
+    const Store store(folder / "store");
+    fill(store, folder, "hello", "1234");
+    fill(store, folder, "hello", "1234");
+    EXPECT_THAT(error_of([&] { fill(store, folder, "other", "5678"); }, ExitCode::Impossible),
+                AllOf(HasSubstr("plane_mesh"), HasSubstr("not deterministic")));
+}
+
+TEST(Store, MovesWithEverythingInIt)
+{
+    const TemporaryFolder folder;
+    fill(Store(folder / "store"), folder, "hello", "1234");
+    fs::rename(folder / "store", folder / "moved");
+    EXPECT_TRUE(Store(folder / "moved").find(make_key(some_parts())).has_value());
+}
+
+TEST(Store, HoldsFolders)
+{
+    const TemporaryFolder folder;
+    const Store store(folder / "store");
+    fs::create_directories(folder / "made/sub");
+    write_atomically(folder / "made/sub/file", std::string_view("x"));
+    store.adopt(folder / "made", "abcd");
+    store.link("abcd", folder / "out/model");
+    EXPECT_EQ(read_text(folder / "out/model/sub/file"), "x");
+}
+
+TEST(Store, ALeaseMakesTheSecondWait)
+{
+    const TemporaryFolder folder;
+    const Store store(folder / "store");
+    const Key key = make_key(some_parts());
+    auto first = std::make_unique<Store::Lease>(store, key);
+    bool released = false;
+    std::thread second([&] {
+        const Store::Lease lease(store, key);
+        EXPECT_TRUE(released);
+    });
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    released = true;
+    first.reset();
+    second.join();
+}
+
+TEST(FolderDigest, FollowsContentAndNamesOnly)
+{
+    const TemporaryFolder folder;
+    fs::create_directories(folder / "scan");
+    write_atomically(folder / "scan/a", std::string_view("1"));
+    const std::string digest = folder_digest(folder / "scan", folder / "cache");
+    EXPECT_EQ(folder_digest(folder / "scan", folder / "cache"), digest);
+    EXPECT_EQ(folder_digest(folder / "scan", {}), digest);
+    write_atomically(folder / "scan/a", std::string_view("2"));
+    EXPECT_NE(folder_digest(folder / "scan", folder / "cache"), digest);
+    write_atomically(folder / "scan/a", std::string_view("1"));
+    EXPECT_EQ(folder_digest(folder / "scan", folder / "cache"), digest);
+    fs::rename(folder / "scan/a", folder / "scan/b");
+    EXPECT_NE(folder_digest(folder / "scan", folder / "cache"), digest);
+    EXPECT_THAT(error_of([&] { folder_digest(folder / "none", {}); }, ExitCode::Input), HasSubstr("no such folder"));
+}
+
+} // namespace
+} // namespace quoin
