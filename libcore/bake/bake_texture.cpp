@@ -1,0 +1,107 @@
+#include "bake/bake_texture.h"
+
+#include "bake/atlas.h"
+#include "bake/bake_input.h"
+#include "bake/blend.h"
+#include "bake/density.h"
+#include "bake/fill.h"
+#include "bake/pages.h"
+#include "base/error.h"
+#include "base/parallel.h"
+
+#include <cmath>
+#include <numbers>
+#include <string>
+
+namespace quoin {
+namespace {
+
+void check(const BakeInput& input)
+{
+    const auto expect = [](const std::string& what, std::size_t found, std::size_t expected) {
+        if (found != expected)
+            throw InputError(what + ": found " + std::to_string(found) + ", expected " + std::to_string(expected) +
+                             "; give the artifacts of one pipeline run");
+    };
+    const std::size_t count = input.keyframes.frame.size();
+    expect("poses in the alignment, one per keyframe", input.alignment.camera_from_world.size(), count);
+    expect("gains in the alignment, one per keyframe", input.alignment.gain.size(), count);
+    expect("biases in the alignment, one per keyframe", input.alignment.bias.size(), count);
+    expect("planes of faces, one per face", input.planes.face_plane.size(), input.planes.mesh.face.size());
+    for (const FrameId id : input.keyframes.frame)
+        if (id >= input.images.scan().frames.size())
+            throw InputError("keyframe " + std::to_string(id) + " is not in the scan of " +
+                             std::to_string(input.images.scan().frames.size()) + " frames");
+    if (input.planes.mesh.face.empty())
+        throw ImpossibleError("the plane mesh has no faces; there is nothing to texture");
+}
+
+Atlas make_atlas(const BakeInput& input, const BakeTextureParams& params)
+{
+    constexpr int kPageMultiple = 4;
+    constexpr double kMega = 1e6;
+    auto charts = make_charts(input.planes, std::cos(params.max_view_angle * std::numbers::pi / 180.0));
+    set_densities(charts, input.planes, input.alignment, params);
+    split_overlaps(input.planes, charts);
+    const AtlasOptions options{params.gutter, params.max_page_size / kPageMultiple * kPageMultiple,
+                               params.max_megatexels * kMega, params.density};
+    return lay_out_atlas(input.planes, std::move(charts), options);
+}
+
+void fill_unseen(const PlaneMesh& planes, const Atlas& atlas, const TriangleMesh* dense,
+                 const BakeTextureParams& params, std::vector<ChartColors>& colors)
+{
+    if (dense && !dense->color.empty()) {
+        const DenseColors dense_colors(*dense, params.dense_radius);
+        parallel_for(colors.size(),
+                     [&](std::size_t c) { fill_from_dense(planes, atlas.chart[c], dense_colors, colors[c]); });
+    }
+    fill_rest(planes, atlas, colors);
+}
+
+// One uv per vertex of a chart; the texel of the chart's corner starts right after the gutter.
+void set_uv(const Atlas& atlas, TexturedMesh& textured)
+{
+    const TriangleMesh& mesh = textured.planes.mesh;
+    textured.corner_uv.resize(mesh.face.size());
+    textured.face_page.resize(mesh.face.size());
+    std::vector<std::uint32_t> uv_of_vertex(mesh.position.size()), chart_of_uv(mesh.position.size(), kNoFace);
+    for (std::uint32_t c = 0; c < atlas.chart.size(); ++c) {
+        const TexelChart& texels = atlas.chart[c];
+        const Eigen::Array2d page(atlas.page[texels.page].width, atlas.page[texels.page].height);
+        for (const FaceId f : texels.chart.face) {
+            textured.face_page[f] = texels.page;
+            for (std::size_t k = 0; k < 3; ++k) {
+                const VertexId v = mesh.face[f][k];
+                if (chart_of_uv[v] != c) {
+                    chart_of_uv[v] = c;
+                    uv_of_vertex[v] = static_cast<std::uint32_t>(textured.uv.size());
+                    const Eigen::Array2d pixel =
+                        texels.texel(mesh.position[v].cast<double>()).array() + Eigen::Array2d(texels.x, texels.y);
+                    textured.uv.emplace_back(((pixel + 0.5) / page).cast<float>());
+                }
+                textured.corner_uv[f][k] = uv_of_vertex[v];
+            }
+        }
+    }
+}
+
+} // namespace
+
+TexturedMesh bake_texture(const ScanImages& images, const Keyframes& keyframes, const PlaneMesh& planes,
+                          const Alignment& alignment, const TriangleMesh* dense, const BakeTextureParams& params)
+{
+    const BakeInput input{images, keyframes, planes, alignment};
+    check(input);
+    const Atlas atlas = make_atlas(input, params);
+    auto colors = blend_views(atlas, input, params);
+    fill_unseen(planes, atlas, dense, params, colors);
+
+    TexturedMesh textured;
+    textured.planes = planes;
+    set_uv(atlas, textured);
+    textured.page = encode_pages(atlas, colors, params);
+    return textured;
+}
+
+} // namespace quoin

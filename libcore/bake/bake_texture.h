@@ -1,0 +1,110 @@
+// Final textures: charts, atlas and the colours of all texels, from the photographs first, from the dense mesh where no
+// photograph sees, and from what is around where nothing does.
+#pragma once
+
+#include "base/param.h"
+#include "mesh/plane_mesh.h"
+#include "mesh/textured_mesh.h"
+#include "scan/alignment.h"
+#include "scan/keyframes.h"
+#include "scan/scan.h"
+
+#include <array>
+#include <tuple>
+
+namespace quoin {
+
+// Mean: the plain average of all views (Wang & Guo 2019). BestView: every tile from its best view, feathered. TwoBand:
+// coarse colours from all views, detail from the best one.
+enum class Blend { Mean, BestView, TwoBand };
+constexpr auto choice_names(Blend) { return std::array{"mean", "best-view", "two-band"}; }
+
+enum class PageFormat { Jpeg, Png };
+constexpr auto choice_names(PageFormat) { return std::array{"jpeg", "png"}; }
+
+struct BakeTextureParams {
+    Blend blend = Blend::TwoBand;
+    double density = 300.0;
+    double min_density = 150.0;
+    double max_density = 800.0;
+    double supersampling = 1.0;
+    double max_megatexels = 32.0;
+    int max_page_size = 4096;
+    int gutter = 4;
+    double max_view_angle = 78.0;
+    double min_depth = 0.3;
+    double max_depth = 8.0;
+    double depth_tolerance = 0.03;
+    double depth_noise = 0.0015;
+    double depth_jump = 0.05;
+    double edge_margin = 3.0;
+    double edge_feather = 16.0;
+    double consistency = 8.0;
+    double label_smoothness = 0.5;
+    double band_width = 0.02;
+    double dense_radius = 0.05;
+    bool level_seams = true;
+    PageFormat format = PageFormat::Jpeg;
+    int jpeg_quality = 92;
+
+    static constexpr auto list()
+    {
+        using P = BakeTextureParams;
+        return std::tuple{
+            Param{"blend", &P::blend, "", "how the views of a texel become one colour"},
+            Param{"density", &P::density, "1/m",
+                  "texels per metre of charts that no view measures; longer charts than a page are not made coarser "
+                  "than this before they are cut",
+                  1.0, 10000.0},
+            Param{"min_density", &P::min_density, "1/m", "least texels per metre of a chart", 1.0, 10000.0},
+            Param{"max_density", &P::max_density, "1/m", "most texels per metre of a chart", 1.0, 10000.0},
+            Param{"supersampling", &P::supersampling, "", "texels per pixel of a chart's best views", 0.1, 4.0},
+            Param{"max_megatexels", &P::max_megatexels, "10^6",
+                  "texels of all pages together; every chart is made coarser until they fit", 0.01, 1000.0},
+            Param{"max_page_size", &P::max_page_size, "px",
+                  "longest side of an atlas page, rounded down to a multiple of 4", 64, 16384},
+            Param{"gutter", &P::gutter, "px", "texels of colour around every chart", 2, 64},
+            Param{"max_view_angle", &P::max_view_angle, "deg",
+                  "views that look at a surface more obliquely are not used; faces that turn further from their plane "
+                  "get charts of their own",
+                  10.0, 85.0},
+            Param{"min_depth", &P::min_depth, "m", "nearest surface that a view is used for", 0.0, 10.0},
+            Param{"max_depth", &P::max_depth, "m", "farthest surface that a view is used for", 0.1, 1000.0},
+            Param{"depth_tolerance", &P::depth_tolerance, "m",
+                  "largest distance between a surface and the measured depth of a view that sees it", 0.001, 1.0},
+            Param{
+                "depth_noise", &P::depth_noise, "1/m",
+                "standard deviation of the sensor's depth over depth squared; the tolerance is at least three of them",
+                0.0, 1.0},
+            Param{"depth_jump", &P::depth_jump, "m", "step of depth between neighbouring pixels that is an edge", 0.001,
+                  10.0},
+            Param{"edge_margin", &P::edge_margin, "px",
+                  "pixels of a view this near to an edge of depth or to the image border are not used", 1.0, 100.0},
+            Param{"edge_feather", &P::edge_feather, "px", "width over which a view's weight falls towards such an edge",
+                  0.0, 1000.0},
+            Param{"consistency", &P::consistency, "",
+                  "deviation from the other views of a tile, in grey levels, at which a view's weight falls to 0.6",
+                  0.5, 1000.0},
+            Param{"label_smoothness", &P::label_smoothness, "",
+                  "cost of a change of the best view between neighbouring tiles, as the logarithm of a ratio of "
+                  "qualities",
+                  0.0, 100.0},
+            Param{"band_width", &P::band_width, "m",
+                  "size above which colours come from all views, below which they come from the best one (two-band)",
+                  0.001, 1.0},
+            Param{"dense_radius", &P::dense_radius, "m",
+                  "farthest vertex of the dense mesh that colours an unseen texel", 0.001, 1.0},
+            Param{"level_seams", &P::level_seams, "", "removes steps of brightness between charts"},
+            Param{"format", &P::format, "", "encoding of the pages"},
+            Param{"jpeg_quality", &P::jpeg_quality, "", "quality of JPEG pages, without chroma subsampling", 1, 100},
+        };
+    }
+};
+
+// Every face of the result has colour and a place of its own on a page. `dense` (optional) has vertex colours and
+// lends them to what no view sees. Throws InputError when the keyframes, the alignment and the plane mesh do not belong
+// together or an image cannot be read, ImpossibleError when the mesh has no faces.
+TexturedMesh bake_texture(const ScanImages& images, const Keyframes& keyframes, const PlaneMesh& planes,
+                          const Alignment& alignment, const TriangleMesh* dense, const BakeTextureParams& params);
+
+} // namespace quoin

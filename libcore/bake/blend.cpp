@@ -1,0 +1,217 @@
+#include "bake/blend.h"
+
+#include "bake/bake_input.h"
+#include "bake/low_band.h"
+#include "bake/tiles.h"
+#include "base/parallel.h"
+#include "base/progress.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+#include <optional>
+
+namespace quoin {
+namespace {
+
+// Keyframes in memory at a time; fixed, for their number must not depend on the threads.
+constexpr std::size_t kBatch = 8;
+
+// Sharpens the bilinear weight of a label, so that two views mix over a quarter of a tile only.
+float sharpened(float label) { return label * label * label * label; }
+
+struct Batch {
+    std::size_t first = 0; // keyframe of view[0]
+    std::vector<std::optional<TextureView>> view;
+};
+
+void for_each_batch(const BakeInput& input, const BakeTextureParams& params, const std::string& part,
+                    const std::function<void(const Batch&)>& use)
+{
+    const std::size_t count = input.keyframes.frame.size();
+    Progress progress(part, count);
+    for (std::size_t first = 0; first < count; first += kBatch) {
+        Batch batch{first, std::vector<std::optional<TextureView>>(std::min(kBatch, count - first))};
+        parallel_for(batch.view.size(), [&](std::size_t i) {
+            batch.view[i].emplace(input.images, input.keyframes, input.planes.mesh, input.alignment, first + i, params);
+        });
+        use(batch);
+        progress.step(batch.view.size());
+    }
+}
+
+// The largest charts first, or the last thread ends long after the others.
+std::vector<std::size_t> by_falling_size(const Atlas& atlas)
+{
+    std::vector<std::size_t> order(atlas.chart.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+        return atlas.chart[a].face.pixels.size() > atlas.chart[b].face.pixels.size();
+    });
+    return order;
+}
+
+std::vector<ChartTiles> judge_views(const Atlas& atlas, const BakeInput& input, const BakeTextureParams& params)
+{
+    const auto order = by_falling_size(atlas);
+    std::vector<std::optional<TileSamples>> samples(atlas.chart.size());
+    std::vector<ChartTiles> tiles(atlas.chart.size());
+    parallel_for(order.size(), [&](std::size_t i) {
+        samples[order[i]].emplace(input.planes, atlas.chart[order[i]]);
+        tiles[order[i]] = samples[order[i]]->empty_tiles();
+    });
+    for_each_batch(input, params, "judging views", [&](const Batch& batch) {
+        parallel_for(order.size(), [&](std::size_t i) {
+            for (std::size_t b = 0; b < batch.view.size(); ++b)
+                samples[order[i]]->judge(*batch.view[b], static_cast<std::uint32_t>(batch.first + b), tiles[order[i]]);
+        });
+    });
+    parallel_for(order.size(), [&](std::size_t i) {
+        rate_consistency(tiles[order[i]], params.consistency);
+        choose_labels(tiles[order[i]], params.label_smoothness);
+    });
+    return tiles;
+}
+
+// The sums over views of one chart.
+class ChartBlend {
+public:
+    ChartBlend(const PlaneMesh& planes, const TexelChart& texels, const ChartTiles& tiles,
+               const BakeTextureParams& params)
+        : texels_(&texels), tiles_(&tiles), params_(&params), positions_(planes, texels),
+          cell_(std::max(1, static_cast<int>(std::lround(params.band_width * texels.chart.density)))),
+          mean_(texels.width(), texels.height())
+    {
+        if (params.blend != Blend::Mean) best_ = Image<WeightedColor>(texels.width(), texels.height());
+    }
+
+    void add(const TextureView& view, std::uint32_t keyframe);
+    ChartColors finish() const;
+
+private:
+    struct Patch { // a part of the chart's rectangle
+        int x = 0, y = 0;
+        Image<WeightedColor> texel;
+    };
+    Patch sample(const TextureView& view, const TileWeights& weights);
+    void sample_tile(const TextureView& view, const TileWeights& weights, Eigen::Vector2i tile, Patch& patch);
+    void add_best(const Patch& patch, const TileWeights& weights);
+
+    const TexelChart* texels_;
+    const ChartTiles* tiles_;
+    const BakeTextureParams* params_;
+    TexelPositions positions_;
+    int cell_; // [texel]
+    Image<WeightedColor> mean_;
+    Image<WeightedColor> best_; // whole colours (best-view) or those above the low band (two-band)
+};
+
+void ChartBlend::sample_tile(const TextureView& view, const TileWeights& weights, Eigen::Vector2i tile, Patch& patch)
+{
+    const bool plain_mean = params_->blend == Blend::Mean;
+    const double density = texels_->chart.density;
+    const Eigen::Vector2i begin = tile * kTileSize;
+    const Eigen::Vector2i end = (begin.array() + kTileSize).min(Eigen::Array2i(texels_->width(), texels_->height()));
+    for (int y = begin.y(); y < end.y(); ++y)
+        for (int x = begin.x(); x < end.x(); ++x) {
+            const auto face = texels_->face.at(x, y);
+            if (face == kNoFace) continue;
+            const auto sighting = view.see(positions_.world(face, x, y), positions_.normal(face));
+            if (!sighting) continue;
+            const Eigen::Vector3f color = view.color(*sighting, density);
+            const double resolution = sighting->resolution / density;
+            const double quality = sighting->trust * sighting->facing * resolution * resolution * view.sharpness();
+            const float weight =
+                plain_mean ? 1.0f
+                           : static_cast<float>(quality) * weights.consistency(x, y) * view.exposure_weight(color);
+            if (weight > 0.0f) mean_.at(x, y).add(color, weight);
+            patch.texel.at(x - patch.x, y - patch.y).add(color, 1.0f);
+        }
+}
+
+// What the view shows of the chart; adds it to the mean.
+ChartBlend::Patch ChartBlend::sample(const TextureView& view, const TileWeights& weights)
+{
+    Eigen::AlignedBox2i reached;
+    for (int row = 0; row < tiles_->rows; ++row)
+        for (int column = 0; column < tiles_->columns; ++column)
+            if (weights.reaches(column, row)) reached.extend(Eigen::Vector2i(column, row));
+    const Eigen::Vector2i begin = reached.min() * kTileSize;
+    const Eigen::Vector2i end =
+        ((reached.max().array() + 1) * kTileSize).min(Eigen::Array2i(texels_->width(), texels_->height()));
+    Patch patch{begin.x(), begin.y(), Image<WeightedColor>(end.x() - begin.x(), end.y() - begin.y())};
+    for (int row = reached.min().y(); row <= reached.max().y(); ++row)
+        for (int column = reached.min().x(); column <= reached.max().x(); ++column)
+            if (weights.reaches(column, row)) sample_tile(view, weights, {column, row}, patch);
+    return patch;
+}
+
+void ChartBlend::add_best(const Patch& patch, const TileWeights& weights)
+{
+    std::optional<LowBand> low;
+    if (params_->blend == Blend::TwoBand) low.emplace(patch.texel, cell_);
+    for (int y = 0; y < patch.texel.height; ++y)
+        for (int x = 0; x < patch.texel.width; ++x) {
+            const auto& texel = patch.texel.at(x, y);
+            const float label = texel.weight > 0.0f ? weights.label(patch.x + x, patch.y + y) : 0.0f;
+            if (label <= 0.0f) continue;
+            const Eigen::Vector3f color = low ? Eigen::Vector3f(texel.color() - low->at(x, y)) : texel.color();
+            best_.at(patch.x + x, patch.y + y).add(color, sharpened(label));
+        }
+}
+
+void ChartBlend::add(const TextureView& view, std::uint32_t keyframe)
+{
+    const TileWeights weights(*tiles_, keyframe);
+    if (!weights.any_view()) return;
+    const Patch patch = sample(view, weights);
+    if (!best_.empty() && weights.any_label()) add_best(patch, weights);
+}
+
+ChartColors ChartBlend::finish() const
+{
+    ChartColors result{Image<Eigen::Vector3f>(mean_.width, mean_.height, Eigen::Vector3f::Zero()),
+                       Image<TexelSource>(mean_.width, mean_.height, TexelSource::Empty)};
+    std::optional<LowBand> low;
+    if (params_->blend == Blend::TwoBand) low.emplace(mean_, cell_);
+    for (int y = 0; y < mean_.height; ++y)
+        for (int x = 0; x < mean_.width; ++x) {
+            if (mean_.at(x, y).weight <= 0.0f) continue;
+            Eigen::Vector3f color = mean_.at(x, y).color();
+            // Where the labelled view misses a texel, the mean of the others stands in.
+            if (!best_.empty() && best_.at(x, y).weight > 0.0f) {
+                color = best_.at(x, y).color();
+                if (low) color += low->at(x, y);
+            }
+            result.color.at(x, y) = color;
+            result.source.at(x, y) = texels_->inside.at(x, y) ? TexelSource::Photograph : TexelSource::Gutter;
+        }
+    return result;
+}
+
+} // namespace
+
+std::vector<ChartColors> blend_views(const Atlas& atlas, const BakeInput& input, const BakeTextureParams& params)
+{
+    const auto tiles = judge_views(atlas, input, params);
+    const auto order = by_falling_size(atlas);
+    std::vector<std::optional<ChartBlend>> blend(atlas.chart.size());
+    parallel_for(order.size(), [&](std::size_t i) {
+        blend[order[i]].emplace(input.planes, atlas.chart[order[i]], tiles[order[i]], params);
+    });
+    for_each_batch(input, params, "gathering colours", [&](const Batch& batch) {
+        parallel_for(order.size(), [&](std::size_t i) {
+            for (std::size_t b = 0; b < batch.view.size(); ++b)
+                blend[order[i]]->add(*batch.view[b], static_cast<std::uint32_t>(batch.first + b));
+        });
+    });
+    std::vector<ChartColors> colors(atlas.chart.size());
+    parallel_for(order.size(), [&](std::size_t i) {
+        colors[order[i]] = blend[order[i]]->finish();
+        blend[order[i]].reset();
+    });
+    return colors;
+}
+
+} // namespace quoin

@@ -1,0 +1,17 @@
+// Colours of all texels from the photographs.
+#pragma once
+
+#include "bake/atlas.h"
+#include "bake/bake_texture.h"
+#include "bake/texel_colors.h"
+
+#include <vector>
+
+namespace quoin {
+
+// One per chart; texels that no view sees stay TexelSource::Empty. Keyframes are read twice, a few at a time: once to
+// judge them, once for their colours.
+struct BakeInput;
+std::vector<ChartColors> blend_views(const Atlas& atlas, const BakeInput& input, const BakeTextureParams& params);
+
+} // namespace quoin

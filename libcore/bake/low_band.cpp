@@ -1,0 +1,60 @@
+#include "bake/low_band.h"
+
+#include <algorithm>
+#include <array>
+
+namespace quoin {
+
+LowBand::LowBand(const Image<WeightedColor>& texels, int cell)
+    : cell_(cell), cells_((texels.width + cell - 1) / cell, (texels.height + cell - 1) / cell)
+{
+    for (int y = 0; y < texels.height; ++y)
+        for (int x = 0; x < texels.width; ++x)
+            if (const auto& texel = texels.at(x, y); texel.weight > 0.0f)
+                cells_.at(x / cell, y / cell).add(texel.color(), 1.0f);
+    smooth();
+}
+
+void LowBand::smooth()
+{
+    constexpr std::array<float, 5> kBinomial{1.0f / 16, 4.0f / 16, 6.0f / 16, 4.0f / 16, 1.0f / 16};
+    const auto pass = [&](int dx, int dy) {
+        Image<WeightedColor> result(cells_.width, cells_.height);
+        for (int y = 0; y < cells_.height; ++y)
+            for (int x = 0; x < cells_.width; ++x)
+                for (int k = -2; k <= 2; ++k) {
+                    const int nx = x + k * dx, ny = y + k * dy;
+                    if (!cells_.contains(nx, ny)) continue;
+                    const float w = kBinomial[static_cast<std::size_t>(k + 2)];
+                    result.at(x, y).sum += w * cells_.at(nx, ny).sum;
+                    result.at(x, y).weight += w * cells_.at(nx, ny).weight;
+                }
+        cells_ = std::move(result);
+    };
+    pass(1, 0);
+    pass(0, 1);
+}
+
+Eigen::Vector3f LowBand::at(int x, int y) const
+{
+    const auto cell = static_cast<float>(cell_);
+    const float cx =
+        std::clamp((static_cast<float>(x) + 0.5f) / cell - 0.5f, 0.0f, static_cast<float>(cells_.width - 1));
+    const float cy =
+        std::clamp((static_cast<float>(y) + 0.5f) / cell - 0.5f, 0.0f, static_cast<float>(cells_.height - 1));
+    const int x0 = static_cast<int>(cx), y0 = static_cast<int>(cy);
+    const int x1 = std::min(x0 + 1, cells_.width - 1), y1 = std::min(y0 + 1, cells_.height - 1);
+    const float fx = cx - static_cast<float>(x0), fy = cy - static_cast<float>(y0);
+    WeightedColor mean;
+    const auto mix = [&](int i, int j, float w) {
+        mean.sum += w * cells_.at(i, j).sum;
+        mean.weight += w * cells_.at(i, j).weight;
+    };
+    mix(x0, y0, (1 - fx) * (1 - fy));
+    mix(x1, y0, fx * (1 - fy));
+    mix(x0, y1, (1 - fx) * fy);
+    mix(x1, y1, fx * fy);
+    return mean.weight > 0.0f ? mean.color() : Eigen::Vector3f(Eigen::Vector3f::Zero());
+}
+
+} // namespace quoin

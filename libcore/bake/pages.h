@@ -1,0 +1,16 @@
+#pragma once
+
+#include "bake/atlas.h"
+#include "bake/bake_texture.h"
+#include "bake/texel_colors.h"
+
+#include <vector>
+
+namespace quoin {
+
+// Writes the charts' colours onto the pages and encodes them. What lies between the charts gets the mean colour of the
+// page, so that small mip levels and viewers without care for gutters show nothing odd.
+std::vector<AtlasPage> encode_pages(const Atlas& atlas, const std::vector<ChartColors>& colors,
+                                    const BakeTextureParams& params);
+
+} // namespace quoin

@@ -1,0 +1,174 @@
+#include "bake/texture_view.h"
+
+#include "image/sampling.h"
+#include "render/rasterize.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace quoin {
+namespace {
+
+constexpr int kLeastPyramidSide = 32;    // [px]
+constexpr double kSigmas = 3.0;          // of the sensor's noise that still count as agreement
+constexpr double kUnmeasuredTrust = 0.2; // where the sensor gave no depth, something unmodelled may stand in front
+constexpr float kFarFromEdges = 1e6f;    // [px]
+constexpr double kLeastRamp = 0.02;      // weight right at the margin; better than no view at all
+constexpr float kSaturated = 250.0f;     // recorded grey level whose true brightness is unknown
+constexpr float kSaturatedWeight = 0.1f;
+constexpr double kCornerCentring = 0.5; // quality of the image's corners against its middle
+
+// Marks pixels at a step of depth. The inverse depth of a plane is linear in the image, so its second difference is 0
+// on every plane, however oblique, and z^2 times it is the step [m].
+Image<float> depth_edges(const DepthImage& depth, double jump, double noise)
+{
+    Image<float> edge(depth.width, depth.height, 0.0f);
+    const auto check = [&](int x, int y, int dx, int dy) {
+        const float z = depth.at(x, y), before = depth.at(x - dx, y - dy), after = depth.at(x + dx, y + dy);
+        if (z <= 0.0f || before <= 0.0f || after <= 0.0f) return;
+        const double step = std::abs(1.0 / before - 2.0 / z + 1.0 / after) * z * z;
+        if (step > std::max(jump, kSigmas * std::sqrt(6.0) * noise * z * z)) edge.at(x, y) = 1.0f;
+    };
+    for (int y = 0; y < depth.height; ++y)
+        for (int x = 0; x < depth.width; ++x) {
+            if (x > 0 && x + 1 < depth.width) check(x, y, 1, 0);
+            if (y > 0 && y + 1 < depth.height) check(x, y, 0, 1);
+        }
+    return edge;
+}
+
+// Distance of every pixel to the nearest edge pixel by two chamfer sweeps [px]; `outside` is that of pixels beside the
+// image.
+Image<float> distance_to_edges(const Image<float>& edge, float outside)
+{
+    constexpr float kDiagonal = std::numbers::sqrt2_v<float>;
+    Image<float> distance(edge.width, edge.height);
+    const auto beside = [&](int x, int y) { return distance.contains(x, y) ? distance.at(x, y) : outside; };
+    for (int y = 0; y < edge.height; ++y)
+        for (int x = 0; x < edge.width; ++x)
+            distance.at(x, y) = edge.at(x, y) != 0.0f
+                                    ? 0.0f
+                                    : std::min({beside(x - 1, y) + 1.0f, beside(x, y - 1) + 1.0f,
+                                                beside(x - 1, y - 1) + kDiagonal, beside(x + 1, y - 1) + kDiagonal});
+    for (int y = edge.height - 1; y >= 0; --y)
+        for (int x = edge.width - 1; x >= 0; --x)
+            distance.at(x, y) = std::min({distance.at(x, y), beside(x + 1, y) + 1.0f, beside(x, y + 1) + 1.0f,
+                                          beside(x + 1, y + 1) + kDiagonal, beside(x - 1, y + 1) + kDiagonal});
+    return distance;
+}
+
+std::vector<ColorImage> pyramid(ColorImage image)
+{
+    std::vector<ColorImage> levels;
+    levels.push_back(std::move(image));
+    while (std::min(levels.back().width, levels.back().height) >= 2 * kLeastPyramidSide)
+        levels.push_back(half_size(levels.back()));
+    return levels;
+}
+
+Eigen::Vector2i nearest(const Eigen::Vector2d& pixel)
+{
+    return {static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))};
+}
+
+} // namespace
+
+TextureView::TextureView(const ScanImages& images, const Keyframes& keyframes, const TriangleMesh& mesh,
+                         const Alignment& alignment, std::size_t k, const BakeTextureParams& params)
+    : params_(params), color_camera_(alignment.color), depth_camera_(images.scan().depth),
+      color_from_world_(alignment.color_from_world(k)), depth_from_world_(alignment.camera_from_world[k]),
+      color_(pyramid(images.color(keyframes.frame[k]))),
+      drawn_(rasterize(mesh, color_camera_, color_from_world_).depth), measured_(images.depth(keyframes.frame[k])),
+      drawn_edge_(distance_to_edges(depth_edges(drawn_, params.depth_jump, 0.0), 0.0f)),
+      measured_edge_(distance_to_edges(depth_edges(measured_, params.depth_jump, params.depth_noise), kFarFromEdges)),
+      gain_(alignment.gain[k]), bias_(alignment.bias[k])
+{
+    const float blur = keyframes.frame[k] < keyframes.blur.size() ? keyframes.blur[keyframes.frame[k]] : 0.0f;
+    sharpness_ = std::isfinite(blur) ? 1.0 - std::clamp<double>(blur, 0.0, 1.0) : 1.0;
+    // The depth image's pixels in units of the colour image's.
+    for (auto& distance : measured_edge_.pixels)
+        distance *= static_cast<float>(color_camera_.fx / depth_camera_.fx);
+}
+
+double TextureView::edge_ramp(double pixels_to_edge) const
+{
+    if (pixels_to_edge < params_.edge_margin) return 0.0;
+    if (pixels_to_edge >= params_.edge_margin + params_.edge_feather) return 1.0;
+    return std::max(kLeastRamp, (pixels_to_edge - params_.edge_margin) / params_.edge_feather);
+}
+
+// Beside error and noise, the depth of an oblique surface changes within a pixel.
+double TextureView::depth_tolerance(double z, double facing, double focal) const
+{
+    return std::max(params_.depth_tolerance, kSigmas * params_.depth_noise * z * z) + z / (focal * facing);
+}
+
+std::optional<Sighting> TextureView::see(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world) const
+{
+    const Eigen::Vector3d p_color = color_from_world_ * p_world;
+    if (p_color.z() < params_.min_depth || p_color.z() > params_.max_depth) return std::nullopt;
+    const Eigen::Vector2d pixel = color_camera_.project(p_color);
+    if (!color_camera_.contains(pixel, 1.0)) return std::nullopt;
+    const double facing = -(color_from_world_.linear() * normal_world).dot(p_color) / p_color.norm();
+    if (facing < std::cos(params_.max_view_angle * std::numbers::pi / 180.0)) return std::nullopt;
+
+    const Eigen::Vector2i at = nearest(pixel);
+    const double drawn = drawn_.at(at.x(), at.y());
+    double trust = edge_ramp(drawn_edge_.at(at.x(), at.y()));
+    if (trust == 0.0 || drawn == 0.0 ||
+        std::abs(drawn - p_color.z()) > depth_tolerance(p_color.z(), facing, color_camera_.fx))
+        return std::nullopt;
+
+    const Eigen::Vector3d p_depth = depth_from_world_ * p_world;
+    const Eigen::Vector2i at_depth =
+        p_depth.z() > 0.0 ? nearest(depth_camera_.project(p_depth)) : Eigen::Vector2i(-1, -1);
+    const bool in_depth_image = measured_.contains(at_depth.x(), at_depth.y());
+    const double measured = in_depth_image ? measured_.at(at_depth.x(), at_depth.y()) : 0.0;
+    if (measured == 0.0)
+        trust *= kUnmeasuredTrust;
+    else if (std::abs(measured - p_depth.z()) > depth_tolerance(p_depth.z(), facing, depth_camera_.fx))
+        return std::nullopt;
+    if (measured > 0.0) trust *= edge_ramp(measured_edge_.at(at_depth.x(), at_depth.y()));
+    if (trust == 0.0) return std::nullopt;
+    return Sighting{pixel, color_camera_.fx * std::sqrt(facing) / p_color.z(), facing, trust};
+}
+
+Eigen::Vector3f TextureView::color(const Sighting& sighting, double density) const
+{
+    const double pixels_per_texel = sighting.resolution / density;
+    const auto level = static_cast<std::size_t>(
+        std::clamp<long>(std::lround(std::log2(pixels_per_texel)), 0, static_cast<long>(color_.size()) - 1));
+    const ColorImage& image = color_[level];
+    const double scale = 1.0 / static_cast<double>(1u << level);
+    const Eigen::Vector2d pixel = (sighting.pixel.array() + 0.5) * scale - 0.5;
+    // Bilinear samples need a neighbour on every side.
+    const double x = std::clamp(pixel.x(), 0.0, image.width - 1.001),
+                 y = std::clamp(pixel.y(), 0.0, image.height - 1.001);
+    return gain_.cwiseProduct(sample_color(image, x, y)) + bias_;
+}
+
+float TextureView::exposure_weight(const Eigen::Vector3f& common_color) const
+{
+    const Eigen::Vector3f recorded = (common_color - bias_).cwiseQuotient(gain_);
+    return recorded.maxCoeff() >= kSaturated ? kSaturatedWeight : 1.0f;
+}
+
+double TextureView::centring(const Eigen::Vector2d& pixel) const
+{
+    const Eigen::Vector2d half(0.5 * color_camera_.width, 0.5 * color_camera_.height);
+    const double radius2 = (pixel - half).squaredNorm() / half.squaredNorm();
+    return 1.0 - (1.0 - kCornerCentring) * radius2;
+}
+
+bool TextureView::may_see(const Eigen::Vector3d& centre_world, double radius) const
+{
+    const Eigen::Vector3d c = color_from_world_ * centre_world;
+    const Camera& camera = color_camera_;
+    if (c.z() + radius < params_.min_depth || c.z() - radius > params_.max_depth) return false;
+    const auto outside = [&](const Eigen::Vector3d& inward) { return inward.normalized().dot(c) < -radius; };
+    return !outside({camera.fx, 0.0, camera.cx}) && !outside({-camera.fx, 0.0, camera.width - 1 - camera.cx}) &&
+           !outside({0.0, camera.fy, camera.cy}) && !outside({0.0, -camera.fy, camera.height - 1 - camera.cy});
+}
+
+} // namespace quoin

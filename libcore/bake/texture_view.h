@@ -1,0 +1,53 @@
+// One keyframe, ready to be asked what it sees of a point on the mesh, and how well.
+#pragma once
+
+#include "bake/bake_texture.h"
+
+#include <optional>
+#include <vector>
+
+namespace quoin {
+
+struct Sighting {
+    Eigen::Vector2d pixel;   // in the full colour image
+    double resolution = 0.0; // pixels per metre on the surface, the geometric mean over its directions
+    double facing = 0.0;     // cosine between the surface normal and the direction to the camera
+    double trust = 0.0;      // 0..1: lower near edges of depth and of the image, and where depth is missing
+};
+
+class TextureView {
+public:
+    // Loads colour and depth of keyframe k and draws the mesh from its pose.
+    TextureView(const ScanImages& images, const Keyframes& keyframes, const TriangleMesh& mesh,
+                const Alignment& alignment, std::size_t k, const BakeTextureParams& params);
+
+    // nullopt when the point is out of sight: outside the image or the depth range, turned away, hidden by the mesh or
+    // by something the mesh lacks, or too near to an edge of depth, where colours of two surfaces mix.
+    std::optional<Sighting> see(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world) const;
+
+    // The colour there in the common exposure, 0..255 and beyond, from the pyramid level whose pixels are as large as a
+    // texel of the given density [1/m].
+    Eigen::Vector3f color(const Sighting& sighting, double density) const;
+    // A weight that sinks to nearly 0 where the recorded colour is black or white without detail.
+    float exposure_weight(const Eigen::Vector3f& common_color) const;
+
+    double sharpness() const { return sharpness_; } // 0 blurred .. 1 sharp
+    // 1 in the middle of the image, towards 0 in its corners (vignetting, distortion).
+    double centring(const Eigen::Vector2d& pixel) const;
+    bool may_see(const Eigen::Vector3d& centre_world, double radius) const; // could a ball be in the image?
+
+private:
+    double edge_ramp(double pixels_to_edge) const;
+    double depth_tolerance(double z, double facing, double focal) const; // [m]
+
+    BakeTextureParams params_;
+    Camera color_camera_, depth_camera_;
+    Rigid color_from_world_, depth_from_world_;
+    std::vector<ColorImage> color_;           // pyramid
+    DepthImage drawn_, measured_;             // of the mesh in the colour camera; of the sensor in the depth camera
+    Image<float> drawn_edge_, measured_edge_; // distance to the nearest edge of depth [px of the colour image]
+    Eigen::Vector3f gain_, bias_;
+    double sharpness_ = 1.0;
+};
+
+} // namespace quoin

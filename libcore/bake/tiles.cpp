@@ -1,0 +1,216 @@
+#include "bake/tiles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace quoin {
+namespace {
+
+constexpr std::size_t kSamplesPerTile = 16;
+constexpr float kLeastConsistency = 1e-3f;    // a lone dissenter is better than no colour
+constexpr double kMedianToDeviation = 1.4826; // of a normal distribution
+constexpr int kLabelRounds = 20;
+
+int tiles_along(int texels) { return (texels + kTileSize - 1) / kTileSize; }
+
+// Inside texels of a tile; the texels of the chart's rim where it has no others.
+std::vector<Eigen::Vector2i> texels_of_tile(const TexelChart& texels, int column, int row)
+{
+    std::vector<Eigen::Vector2i> inside, rim;
+    for (int y = row * kTileSize; y < std::min((row + 1) * kTileSize, texels.height()); ++y)
+        for (int x = column * kTileSize; x < std::min((column + 1) * kTileSize, texels.width()); ++x) {
+            if (texels.inside.at(x, y))
+                inside.emplace_back(x, y);
+            else if (texels.face.at(x, y) != kNoFace)
+                rim.emplace_back(x, y);
+        }
+    return inside.empty() ? rim : inside;
+}
+
+double weighted_median(std::vector<std::pair<double, double>> value_weight)
+{
+    std::ranges::sort(value_weight);
+    double total = 0.0;
+    for (const auto& [value, weight] : value_weight)
+        total += weight;
+    double sum = 0.0;
+    for (const auto& [value, weight] : value_weight)
+        if ((sum += weight) >= 0.5 * total) return value;
+    return value_weight.back().first;
+}
+
+void rate_tile(std::vector<TileView>& views, double deviation)
+{
+    std::vector<double> distance(views.size(), 0.0);
+    double spread = 0.0;
+    for (int channel = 0; channel < 3; ++channel) {
+        std::vector<std::pair<double, double>> colors, distances;
+        for (const auto& view : views)
+            colors.emplace_back(view.color[channel], view.quality);
+        const double median = weighted_median(colors);
+        for (const auto& view : views)
+            distances.emplace_back(std::abs(view.color[channel] - median), view.quality);
+        for (std::size_t i = 0; i < views.size(); ++i)
+            distance[i] = std::max(distance[i], distances[i].first);
+        spread = std::max(spread, kMedianToDeviation * weighted_median(distances));
+    }
+    const double sigma = std::max(deviation, spread);
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        const double d = distance[i] / sigma;
+        views[i].consistency = std::max(kLeastConsistency, static_cast<float>(std::exp(-0.5 * d * d)));
+    }
+}
+
+std::array<std::uint32_t, 4> neighbour_labels(const ChartTiles& tiles, int column, int row)
+{
+    const auto label = [&](int c, int r) {
+        return c < 0 || r < 0 || c >= tiles.columns || r >= tiles.rows ? kNoView : tiles.label[tiles.index(c, r)];
+    };
+    return {label(column - 1, row), label(column + 1, row), label(column, row - 1), label(column, row + 1)};
+}
+
+std::uint32_t best_label(const ChartTiles& tiles, int column, int row, double smoothness)
+{
+    const auto around = neighbour_labels(tiles, column, row);
+    std::uint32_t best = kNoView;
+    double best_cost = std::numeric_limits<double>::infinity();
+    for (const auto& view : tiles.view[tiles.index(column, row)]) {
+        double cost = -std::log(static_cast<double>(view.quality) * view.consistency);
+        for (const auto other : around)
+            if (other != kNoView && other != view.keyframe) cost += smoothness;
+        if (cost >= best_cost) continue;
+        best_cost = cost;
+        best = view.keyframe;
+    }
+    return best;
+}
+
+} // namespace
+
+TileSamples::TileSamples(const PlaneMesh& planes, const TexelChart& texels)
+    : columns_(tiles_along(texels.width())), rows_(tiles_along(texels.height())), density_(texels.chart.density),
+      sample_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_))
+{
+    const TexelPositions positions(planes, texels);
+    Eigen::AlignedBox3d box;
+    for (std::size_t tile = 0; tile < sample_.size(); ++tile) {
+        const int column = static_cast<int>(tile) % columns_, row = static_cast<int>(tile) / columns_;
+        const auto candidates = texels_of_tile(texels, column, row);
+        const std::size_t count = std::min(candidates.size(), kSamplesPerTile);
+        for (std::size_t i = 0; i < count; ++i) {
+            const auto& at = candidates[(2 * i + 1) * candidates.size() / (2 * count)];
+            const auto face = texels.face.at(at.x(), at.y());
+            sample_[tile].push_back({positions.world(face, at.x(), at.y()), positions.normal(face)});
+            box.extend(sample_[tile].back().p_world);
+        }
+    }
+    if (box.isEmpty()) return;
+    centre_ = box.center();
+    radius_ = 0.5 * box.diagonal().norm();
+}
+
+ChartTiles TileSamples::empty_tiles() const
+{
+    return {columns_, rows_, std::vector<std::vector<TileView>>(sample_.size()),
+            std::vector<std::uint32_t>(sample_.size(), kNoView)};
+}
+
+TileView TileSamples::judge_tile(const TextureView& view, std::size_t tile) const
+{
+    TileView result;
+    double seen = 0.0, quality = 0.0;
+    for (const auto& sample : sample_[tile]) {
+        const auto sighting = view.see(sample.p_world, sample.normal_world);
+        if (!sighting) continue;
+        const double resolution = std::min(1.0, sighting->resolution / density_);
+        quality +=
+            resolution * resolution * std::sqrt(sighting->facing) * sighting->trust * view.centring(sighting->pixel);
+        result.color += view.color(*sighting, density_);
+        seen += 1.0;
+    }
+    if (seen == 0.0) return result;
+    result.color /= static_cast<float>(seen);
+    // A view that shows half of a tile leaves a seam inside it.
+    const double part = seen / static_cast<double>(sample_[tile].size());
+    result.quality = static_cast<float>(quality / seen * part * part * view.sharpness() * view.sharpness());
+    return result;
+}
+
+void TileSamples::judge(const TextureView& view, std::uint32_t keyframe, ChartTiles& tiles) const
+{
+    if (!view.may_see(centre_, radius_)) return;
+    for (std::size_t tile = 0; tile < sample_.size(); ++tile) {
+        TileView judged = judge_tile(view, tile);
+        if (!(judged.quality > 0.0f)) continue;
+        judged.keyframe = keyframe;
+        tiles.view[tile].push_back(judged);
+    }
+}
+
+void rate_consistency(ChartTiles& tiles, double deviation)
+{
+    for (auto& views : tiles.view)
+        if (!views.empty()) rate_tile(views, deviation);
+}
+
+void choose_labels(ChartTiles& tiles, double smoothness)
+{
+    bool changed = true;
+    for (int round = 0; round <= kLabelRounds && changed; ++round) {
+        changed = false;
+        // The first round ignores neighbours: each tile starts from its own best view.
+        const double weight = round == 0 ? 0.0 : smoothness;
+        for (int row = 0; row < tiles.rows; ++row)
+            for (int column = 0; column < tiles.columns; ++column) {
+                auto& label = tiles.label[tiles.index(column, row)];
+                const auto best = best_label(tiles, column, row, weight);
+                changed |= best != label;
+                label = best;
+            }
+    }
+}
+
+TileWeights::TileWeights(const ChartTiles& tiles, std::uint32_t keyframe)
+    : columns_(tiles.columns), rows_(tiles.rows), consistency_(tiles.view.size(), 0.0f), label_(tiles.view.size(), 0.0f)
+{
+    for (std::size_t tile = 0; tile < tiles.view.size(); ++tile) {
+        const auto& views = tiles.view[tile];
+        const auto it = std::ranges::lower_bound(views, keyframe, {}, &TileView::keyframe);
+        if (it == views.end() || it->keyframe != keyframe) continue;
+        consistency_[tile] = it->consistency;
+        any_view_ = true;
+        if (tiles.label[tile] != keyframe) continue;
+        label_[tile] = 1.0f;
+        any_label_ = true;
+    }
+}
+
+bool TileWeights::reaches(int column, int row) const
+{
+    for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r)
+        for (int c = std::max(0, column - 1); c <= std::min(columns_ - 1, column + 1); ++c)
+            if (consistency_[static_cast<std::size_t>(r) * static_cast<std::size_t>(columns_) +
+                             static_cast<std::size_t>(c)] > 0.0f)
+                return true;
+    return false;
+}
+
+float TileWeights::at(const std::vector<float>& weight, int texel_x, int texel_y) const
+{
+    constexpr auto kSize = static_cast<float>(kTileSize);
+    const float x =
+        std::clamp((static_cast<float>(texel_x) + 0.5f) / kSize - 0.5f, 0.0f, static_cast<float>(columns_ - 1));
+    const float y =
+        std::clamp((static_cast<float>(texel_y) + 0.5f) / kSize - 0.5f, 0.0f, static_cast<float>(rows_ - 1));
+    const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
+    const int x1 = std::min(x0 + 1, columns_ - 1), y1 = std::min(y0 + 1, rows_ - 1);
+    const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
+    const auto tile = [&](int c, int r) {
+        return weight[static_cast<std::size_t>(r) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(c)];
+    };
+    return (1 - fy) * ((1 - fx) * tile(x0, y0) + fx * tile(x1, y0)) +
+           fy * ((1 - fx) * tile(x0, y1) + fx * tile(x1, y1));
+}
+
+} // namespace quoin

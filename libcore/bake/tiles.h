@@ -1,0 +1,78 @@
+// Which views see which part of a chart, how well, and which of them is to show it: decided per tile of texels.
+#pragma once
+
+#include "bake/atlas.h"
+#include "bake/texture_view.h"
+
+#include <vector>
+
+namespace quoin {
+
+inline constexpr int kTileSize = 16; // [texel]
+inline constexpr std::uint32_t kNoView = 0xffffffffu;
+
+struct TileView {
+    std::uint32_t keyframe = 0;
+    float quality = 0.0f; // 0..1: resolution, angle, sharpness, centring, trust and the part of the tile that is seen
+    float consistency = 1.0f;                        // 0..1: agreement of its colour with the other views'
+    Eigen::Vector3f color = Eigen::Vector3f::Zero(); // mean over the tile's samples, common exposure
+};
+
+struct ChartTiles {
+    int columns = 0, rows = 0;
+    std::vector<std::vector<TileView>> view; // of every tile, row by row; keyframes ascending
+    std::vector<std::uint32_t> label;        // keyframe that shows the tile; kNoView where none sees it
+    std::size_t index(int column, int row) const
+    {
+        return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column);
+    }
+};
+
+// Points of a chart's tiles at which views are judged.
+class TileSamples {
+public:
+    TileSamples(const PlaneMesh& planes, const TexelChart& texels);
+    // Adds to `tiles` how the view sees each tile.
+    void judge(const TextureView& view, std::uint32_t keyframe, ChartTiles& tiles) const;
+    ChartTiles empty_tiles() const;
+
+private:
+    struct Sample {
+        Eigen::Vector3d p_world, normal_world;
+    };
+    TileView judge_tile(const TextureView& view, std::size_t tile) const;
+
+    int columns_, rows_;
+    double density_;
+    std::vector<std::vector<Sample>> sample_;          // of every tile
+    Eigen::Vector3d centre_ = Eigen::Vector3d::Zero(); // of a ball around all samples
+    double radius_ = 0.0;
+};
+
+// Lowers the consistency of views whose colour on a tile is far from the median of all views' (`deviation` in grey
+// levels is one standard deviation).
+void rate_consistency(ChartTiles& tiles, double deviation);
+
+// Labels every tile with a view: minimises the sum over tiles of -log(quality * consistency) plus `smoothness` for each
+// pair of neighbouring tiles with different views, by iterated conditional modes.
+void choose_labels(ChartTiles& tiles, double smoothness);
+
+// Weights of one view between the centres of tiles, bilinear.
+class TileWeights {
+public:
+    TileWeights(const ChartTiles& tiles, std::uint32_t keyframe);
+    bool any_view() const { return any_view_; }
+    bool any_label() const { return any_label_; }
+    bool reaches(int column, int row) const; // is the view's weight positive anywhere in the tile?
+    float consistency(int texel_x, int texel_y) const { return at(consistency_, texel_x, texel_y); }
+    float label(int texel_x, int texel_y) const { return at(label_, texel_x, texel_y); } // 0..1
+
+private:
+    float at(const std::vector<float>& weight, int texel_x, int texel_y) const;
+
+    int columns_, rows_;
+    std::vector<float> consistency_, label_; // of every tile
+    bool any_view_ = false, any_label_ = false;
+};
+
+} // namespace quoin
