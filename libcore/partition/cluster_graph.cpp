@@ -49,6 +49,23 @@ void add_fans(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposi
             add_edge(edges, fans[i].face, fans[j].face);
 }
 
+using EdgeIterator = std::vector<ClusterEdge>::iterator;
+
+// Stable; buckets hold a few edges, for which insertion beats the buffers of std::stable_sort.
+void sort_by_second_end(EdgeIterator first, EdgeIterator last)
+{
+    constexpr std::ptrdiff_t kFew = 32;
+    const auto less = [](const ClusterEdge& x, const ClusterEdge& y) { return x.b < y.b; };
+    if (last - first > kFew) return std::stable_sort(first, last, less);
+    for (auto i = first; i != last; ++i) {
+        const ClusterEdge edge = *i;
+        auto hole = i;
+        for (; hole != first && less(edge, *(hole - 1)); --hole)
+            *hole = *(hole - 1);
+        *hole = edge;
+    }
+}
+
 // Edges sorted by their ends, each pair once. Of equal edges the one that comes first stays.
 void sort_and_unique(std::vector<ClusterEdge>& edges, std::size_t clusters)
 {
@@ -67,7 +84,7 @@ void sort_and_unique(std::vector<ClusterEdge>& edges, std::size_t clusters)
             ++end;
         const auto first = sorted.begin() + static_cast<std::ptrdiff_t>(begin),
                    last = sorted.begin() + static_cast<std::ptrdiff_t>(end);
-        std::stable_sort(first, last, [](const auto& x, const auto& y) { return x.b < y.b; });
+        sort_by_second_end(first, last);
         std::unique_copy(first, last, std::back_inserter(edges),
                          [](const auto& x, const auto& y) { return x.b == y.b; });
         begin = end;

@@ -56,22 +56,40 @@ MergeLimits limits_of(const TriangleMesh& mesh, const PartitionParams& params)
     return {params.clusters > 0 ? kForbidden : params.max_error, params.min_facing, rounding * rounding};
 }
 
+std::size_t count_floaters(const TriangleMesh& mesh, double floater_area)
+{
+    const auto component = face_components(mesh);
+    std::vector<double> area(1 + *std::max_element(component.begin(), component.end()), 0.0);
+    for (FaceId f = 0; f < component.size(); ++f)
+        area[component[f]] += face_area(mesh, f);
+    return static_cast<std::size_t>(
+        std::count_if(area.begin(), area.end(), [&](double a) { return a < floater_area; }));
+}
+
+// Clusters at which growth ends; 1 while it ends by error.
+std::size_t target_count(const TriangleMesh& mesh, const PartitionParams& params)
+{
+    if (params.clusters == 0) return 1;
+    return static_cast<std::size_t>(params.clusters) + count_floaters(mesh, params.floater_area);
+}
+
 // Clusters at which the rounds hand over to the exact heap. The heap alone decides about the last `round_reserve` times
 // the target, where the greedy order matters: the energy stays within 1 % of the exact one.
-std::size_t handover(std::size_t faces, const PartitionParams& params)
+std::size_t handover(std::size_t faces, std::size_t target, const PartitionParams& params)
 {
     return std::max(faces / static_cast<std::size_t>(params.round_faces),
-                    static_cast<std::size_t>(params.round_reserve) * static_cast<std::size_t>(params.clusters));
+                    static_cast<std::size_t>(params.round_reserve) * target);
 }
 
 std::vector<PlaneId> grow_clusters(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite,
                                    const MergeLimits& limits, const PartitionParams& params)
 {
     ClusterGraph graph = clusters_of_faces(mesh, opposite, limits);
-    if (params.method == GrowthMethod::Hybrid) merge_in_rounds(graph, handover(graph.count, params));
+    const std::size_t target = target_count(mesh, params);
+    if (params.method == GrowthMethod::Hybrid) merge_in_rounds(graph, handover(graph.count, target, params));
     if (params.method == GrowthMethod::RegionGrowing)
         grow_regions(graph, opposite, {params.max_error, std::cos(params.grow_angle * std::numbers::pi / 180.0)});
-    merge_by_heap(graph, static_cast<std::size_t>(std::max(1, params.clusters)));
+    merge_by_heap(graph, target);
     return cluster_labels(graph);
 }
 

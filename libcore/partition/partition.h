@@ -13,6 +13,7 @@ constexpr auto choice_names(GrowthMethod) { return std::array{"heap", "hybrid", 
 
 struct PartitionParams {
     int clusters = 0;
+    double floater_area = 0.005;
     double max_error = 0.008;
     GrowthMethod method = GrowthMethod::Hybrid;
     double min_facing = 0.5;
@@ -29,6 +30,8 @@ struct PartitionParams {
         using P = PartitionParams;
         return std::tuple{
             Param{"clusters", &P::clusters, "", "clusters to stop at; 0 = stop by max_error instead", 0.0, 1e9},
+            Param{"floater_area", &P::floater_area, "m^2",
+                  "components of the mesh with less area do not count as clusters", 0.0, 1e3},
             Param{"max_error", &P::max_error, "m", "largest RMS distance of a cluster to its plane while clusters = 0",
                   0.0, 1.0},
             Param{"method", &P::method, "",
@@ -58,10 +61,11 @@ struct PartitionParams {
 
 // Clusters are connected over shared edges (three or more faces on one edge are all neighbours) and grow by the least
 // increase of the energy of geometry/pca_energy.h; their borders are then refined. The result holds the same vertices
-// and faces, planes in the order of their first face, normals to the side that the faces face. With `clusters` > 0
-// there are as many, or more where components of the mesh or `min_facing` forbid to join further. Degenerate and
-// duplicate faces are allowed. Throws InputError when a face uses a vertex that does not exist or is not finite, and
-// ImpossibleError when no face has an area.
+// and faces, planes in the order of their first face, normals to the side that the faces face. With `clusters` set
+// there are as many besides one for each floater (a raw scan's thousands of floaters would use them up), or more where
+// other components or `min_facing` forbid to join further. Degenerate and duplicate faces are allowed. Throws
+// InputError when a face uses a vertex that does not exist or is not finite, and ImpossibleError when no face has an
+// area.
 PlaneMesh partition(const TriangleMesh& mesh, const PartitionParams& params);
 
 } // namespace quoin

@@ -1,0 +1,20 @@
+#include "merge/merge.h"
+
+#include "schema/schema.h"
+#include "stage/stage.h"
+
+int main(int argc, char** argv)
+{
+    using namespace quoin;
+    const Stage stage{
+        .name = "merge",
+        .summary = "joins neighbouring clusters that lie in one plane, and absorbs bumps and tiny clusters",
+        .impl_version = 1,
+        .inputs = {{"plane_mesh", "clusters of the dense mesh"}},
+        .outputs = {{"plane_mesh", "the same faces in fewer planes"}},
+        .resources = {.memory = "bytes(plane_mesh) * 12 + 200M"},
+    };
+    return run_stage<MergeParams>(stage, argc, argv, [](const StageRun& run, const MergeParams& params) {
+        run.write("plane_mesh", merge_planes(read_plane_mesh(run.in("plane_mesh")), params));
+    });
+}
