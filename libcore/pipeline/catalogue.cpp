@@ -60,7 +60,10 @@ void Catalogue::prepare(const std::vector<fs::path>& programs)
     for (const auto& program : programs)
         if (is_program(program) && !answers_.contains(program) && std::ranges::find(asked, program) == asked.end())
             asked.push_back(program);
-    const auto captured = capture_all(asked, {"--describe"}, kDescribeSeconds);
+    std::vector<Command> commands;
+    for (const auto& program : asked)
+        commands.push_back({program, {"--describe"}});
+    const auto captured = capture_all(commands, kDescribeSeconds);
     for (std::size_t i = 0; i < asked.size(); ++i) {
         Answer& answer = answers_[asked[i]];
         answer.program.path = asked[i];

@@ -130,16 +130,21 @@ bool is_placed(const std::vector<const Resolved*>& order, const std::string& nam
     return std::ranges::any_of(order, [&](const Resolved* r) { return r->stage->name == name; });
 }
 
-// Kahn's algorithm; of the stages that could come next, the first of the file. Stages on a circle or behind one are left out.
+// Kahn's algorithm; of the stages that could come next, the first of the file. Stages on a circle or behind one are
+// left out.
 std::vector<const Resolved*> in_running_order(const std::vector<Resolved>& stages)
 {
     std::vector<const Resolved*> order;
-    const auto is_waited_for = [&](const std::string& name) { return find_stage(stages, name) && !is_placed(order, name); };
-    const auto can_run = [&](const Resolved& r) {
-        return !is_placed(order, r.stage->name) &&
-               std::ranges::none_of(r.stage->inputs, [&](const auto& input) { return is_waited_for(input.second.stage); });
+    const auto is_waited_for = [&](const std::string& name) {
+        return find_stage(stages, name) && !is_placed(order, name);
     };
-    for (auto next = std::ranges::find_if(stages, can_run); next != stages.end(); next = std::ranges::find_if(stages, can_run))
+    const auto can_run = [&](const Resolved& r) {
+        return !is_placed(order, r.stage->name) && std::ranges::none_of(r.stage->inputs, [&](const auto& input) {
+            return is_waited_for(input.second.stage);
+        });
+    };
+    for (auto next = std::ranges::find_if(stages, can_run); next != stages.end();
+         next = std::ranges::find_if(stages, can_run))
         order.push_back(&*next);
     return order;
 }
@@ -147,7 +152,8 @@ std::vector<const Resolved*> in_running_order(const std::vector<Resolved>& stage
 // Follows wires backwards among the stages that could not be placed until one comes a second time.
 std::vector<std::string> find_circle(const std::vector<Resolved>& stages, const std::vector<const Resolved*>& order)
 {
-    const auto start = std::ranges::find_if(stages, [&](const Resolved& r) { return !is_placed(order, r.stage->name); });
+    const auto start =
+        std::ranges::find_if(stages, [&](const Resolved& r) { return !is_placed(order, r.stage->name); });
     std::vector<std::string> path;
     std::string at = start->stage->name;
     while (std::ranges::find(path, at) == path.end()) {
@@ -166,7 +172,8 @@ void check_circles(const std::vector<Resolved>& stages, Problems& problems)
     const auto order = in_running_order(stages);
     if (order.size() == stages.size()) return;
     const auto circle = find_circle(stages, order);
-    problems.add(find_stage(stages, circle.front())->stage->position, fmt::format("stages wait for each other: {}", fmt::join(circle, " -> ")));
+    problems.add(find_stage(stages, circle.front())->stage->position,
+                 fmt::format("stages wait for each other: {}", fmt::join(circle, " -> ")));
 }
 
 GraphNode make_node(const Resolved& resolved, std::vector<GraphParam> params, const Graph& graph)

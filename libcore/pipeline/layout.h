@@ -11,7 +11,10 @@ struct Layout {
     std::filesystem::path store; // absolute
 
     std::filesystem::path scan_folder(const std::string& scan) const { return out / scan; }
-    std::filesystem::path stage_folder(const std::string& scan, const std::string& stage) const { return out / scan / stage; }
+    std::filesystem::path stage_folder(const std::string& scan, const std::string& stage) const
+    {
+        return out / scan / stage;
+    }
 
     // The stage's last run record.
     std::filesystem::path record(const std::string& scan, const std::string& stage) const;

@@ -15,7 +15,8 @@ std::size_t find_stage(const Graph& graph, const std::string& stage, const std::
 {
     if (const auto node = graph.find(stage)) return *node;
     std::vector<std::string> names;
-    for (const auto& node : graph.nodes) names.push_back(node.name);
+    for (const auto& node : graph.nodes)
+        names.push_back(node.name);
     throw UsageError(fmt::format("{}: the pipeline has no stage '{}'{}", flag, stage, hint(stage, names)));
 }
 
@@ -23,35 +24,44 @@ std::vector<bool> select_nodes(const Graph& graph, const Selection& selection)
 {
     std::vector<bool> selected(graph.nodes.size(), true);
     const auto keep = [&](const std::vector<bool>& reached) {
-        for (std::size_t i = 0; i < selected.size(); ++i) selected[i] = selected[i] && reached[i];
+        for (std::size_t i = 0; i < selected.size(); ++i)
+            selected[i] = selected[i] && reached[i];
     };
     if (!selection.from.empty()) keep(graph.downstream(find_stage(graph, selection.from, "--from")));
     if (!selection.until.empty()) keep(graph.upstream(find_stage(graph, selection.until, "--until")));
-    for (const auto& stage : selection.force) find_stage(graph, stage, "--force");
+    for (const auto& stage : selection.force)
+        find_stage(graph, stage, "--force");
     if (std::ranges::none_of(selected, [](bool is_selected) { return is_selected; }))
-        throw UsageError(fmt::format("--from {} --until {}: no stage lies between them", selection.from, selection.until));
+        throw UsageError(
+            fmt::format("--from {} --until {}: no stage lies between them", selection.from, selection.until));
     return selected;
 }
 
 // Makes the tasks of one scan.
 class Planner {
 public:
-    Planner(const Graph& graph, const NamedScan& scan, const Layout& layout) : graph_(graph), scan_(scan), layout_(layout) {}
+    Planner(const Graph& graph, const NamedScan& scan, const Layout& layout)
+        : graph_(graph), scan_(scan), layout_(layout)
+    {
+    }
 
-    Task make(std::size_t index, bool forced) const
+    Task make(std::size_t index) const
     {
         const GraphNode& node = graph_.nodes[index];
-        Task task{scan_.name, node.name, index, node.program.path, {}, {}, layout_.record(scan_.name, node.name), {}};
-        for (const auto& input : node.inputs) add(task, "--in", input.port + "=" + source(input).string());
-        for (const auto& port : node.program.description.outputs) {
-            task.outputs.push_back(layout_.output(scan_.name, node.name, port.name, port.schema));
-            add(task, "--out", port.name + "=" + task.outputs.back().string());
-        }
-        for (const auto& param : node.params) add(task, "--set", param.name + "=" + format_param(param.value));
-        if (node.program.description.reads_images) add_scan_root(task, index);
-        add(task, "--cache", forced ? "off" : "auto");
-        add(task, "--store", layout_.store.string());
-        add(task, "--record", task.record.string());
+        Task task;
+        task.scan = scan_.name;
+        task.stage = node.name;
+        task.node = index;
+        task.program = node.program.path;
+        for (const auto& input : node.inputs)
+            task.inputs.push_back({input.port, source(input), {}, input.from_port});
+        for (const auto& port : node.program.description.outputs)
+            task.outputs.push_back({port.name, layout_.output(scan_.name, node.name, port.name, port.schema)});
+        for (const auto& param : node.params)
+            task.settings.push_back(param.name + "=" + format_param(param.value));
+        const GraphInput* folder = node.program.description.reads_images ? graph_.scan_folder(index) : nullptr;
+        if (folder) task.scan_root = source(*folder);
+        task.record = layout_.record(scan_.name, node.name);
         return task;
     }
 
@@ -65,36 +75,37 @@ public:
     }
 
 private:
-    static void add(Task& task, const char* flag, std::string value)
-    {
-        task.arguments.emplace_back(flag);
-        task.arguments.push_back(std::move(value));
-    }
-
-    void add_scan_root(Task& task, std::size_t index) const
-    {
-        if (const GraphInput* folder = graph_.scan_folder(index)) add(task, "--scan-root", source(*folder).string());
-    }
-
     const Graph& graph_;
     const NamedScan& scan_;
     const Layout& layout_;
 };
 
-void plan_scan(const Graph& graph, const NamedScan& scan, const Layout& layout, const Selection& selection, std::vector<Task>& tasks)
+// A result that is relied on without being made must be there.
+void require_result(const Task& task, const TaskInput& input, const std::string& made_by)
+{
+    if (fs::exists(input.path)) return;
+    throw InputError(fmt::format("{}: no such file; stage '{}' reads it and --from leaves out stage '{}', which makes "
+                                 "it: run without --from once",
+                                 input.path.string(), task.stage, made_by));
+}
+
+void plan_scan(const Graph& graph, const NamedScan& scan, const Layout& layout, const Selection& selection,
+               std::vector<Task>& tasks)
 {
     const std::vector<bool> selected = select_nodes(graph, selection);
     const Planner planner(graph, scan, layout);
-    std::map<std::size_t, std::size_t> task_of;
+    std::map<std::size_t, std::size_t> task_of; // by node
     for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
         if (!selected[i]) continue;
-        Task task = planner.make(i, std::ranges::find(selection.force, graph.nodes[i].name) != selection.force.end());
-        for (const auto& input : graph.nodes[i].inputs) {
-            if (input.from && selected[*input.from])
-                task.after.push_back(task_of.at(*input.from));
-            else if (const fs::path file = planner.source(input); input.from && !fs::exists(file))
-                throw InputError(fmt::format("{}: no such file; stage '{}' reads it and --from leaves out stage '{}', which makes it: run without --from once",
-                                             file.string(), task.stage, graph.nodes[*input.from].name));
+        Task task = planner.make(i);
+        task.is_forced = std::ranges::find(selection.force, task.stage) != selection.force.end();
+        for (std::size_t k = 0; k < task.inputs.size(); ++k) {
+            const auto from = graph.nodes[i].inputs[k].from;
+            if (!from) continue;
+            if (!selected[*from])
+                require_result(task, task.inputs[k], graph.nodes[*from].name);
+            else
+                task.after.push_back(*(task.inputs[k].from = task_of.at(*from)));
         }
         task_of[i] = tasks.size();
         tasks.push_back(std::move(task));
@@ -106,11 +117,14 @@ NamedScan parse_scan(const std::string& argument)
     const std::size_t equals = argument.find('=');
     const bool is_named = equals != std::string::npos && argument.find('/') > equals && !fs::is_directory(argument);
     const fs::path folder = fs::absolute(is_named ? argument.substr(equals + 1) : argument).lexically_normal();
-    if (!fs::is_directory(folder)) throw InputError(fmt::format("--scan {}: {} is not a folder", argument, folder.string()));
+    if (!fs::is_directory(folder))
+        throw InputError(fmt::format("--scan {}: {} is not a folder", argument, folder.string()));
     const fs::path last = folder.has_filename() ? folder.filename() : folder.parent_path().filename();
     NamedScan scan{is_named ? argument.substr(0, equals) : last.string(), folder};
     const bool is_hidden = scan.name.empty() || scan.name.starts_with('.');
-    if (is_hidden) throw UsageError(fmt::format("--scan {}: '{}' cannot name a folder of the output; write --scan NAME=DIR", argument, scan.name));
+    if (is_hidden)
+        throw UsageError(fmt::format("--scan {}: '{}' cannot name a folder of the output; write --scan NAME=DIR",
+                                     argument, scan.name));
     return scan;
 }
 
@@ -123,16 +137,39 @@ std::vector<NamedScan> parse_scans(const std::vector<std::string>& arguments)
     for (const auto& argument : arguments) {
         scans.push_back(parse_scan(argument));
         if (!names.insert(scans.back().name).second)
-            throw UsageError(fmt::format("--scan {}: there is a scan '{}' already; write --scan NAME=DIR", argument, scans.back().name));
+            throw UsageError(fmt::format("--scan {}: there is a scan '{}' already; write --scan NAME=DIR", argument,
+                                         scans.back().name));
     }
     return scans;
 }
 
-std::vector<Task> plan_tasks(const Graph& graph, const std::vector<NamedScan>& scans, const Layout& layout, const Selection& selection)
+std::vector<Task> plan_tasks(const Graph& graph, const std::vector<NamedScan>& scans, const Layout& layout,
+                             const Selection& selection)
 {
     std::vector<Task> tasks;
-    for (const auto& scan : scans) plan_scan(graph, scan, layout, selection, tasks);
+    for (const auto& scan : scans)
+        plan_scan(graph, scan, layout, selection, tasks);
     return tasks;
+}
+
+std::vector<std::string> arguments_of(const Task& task, const fs::path& store)
+{
+    std::vector<std::string> arguments;
+    const auto add = [&](const char* flag, std::string value) {
+        arguments.emplace_back(flag);
+        arguments.push_back(std::move(value));
+    };
+    for (const auto& input : task.inputs)
+        add("--in", input.port + "=" + input.path.string());
+    for (const auto& output : task.outputs)
+        add("--out", output.port + "=" + output.path.string());
+    for (const auto& setting : task.settings)
+        add("--set", setting);
+    if (!task.scan_root.empty()) add("--scan-root", task.scan_root.string());
+    add("--cache", task.is_forced ? "off" : "auto");
+    add("--store", store.string());
+    add("--record", task.record.string());
+    return arguments;
 }
 
 } // namespace quoin

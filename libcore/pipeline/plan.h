@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,19 +26,38 @@ struct Selection {
     std::vector<std::string> force; // computed anew even when the store has them
 };
 
+struct TaskInput {
+    std::string port;
+    std::filesystem::path path;
+    std::optional<std::size_t>
+        from; // the task that makes it; none = the scan folder, or a result that --from relies on
+    std::string from_port;
+};
+
+struct TaskOutput {
+    std::string port;
+    std::filesystem::path path;
+};
+
 struct Task {
     std::string scan;
     std::string stage;
     std::size_t node = 0; // in the graph
     std::filesystem::path program;
-    std::vector<std::string> arguments;          // ports, parameters, store and record; not threads and memory
-    std::vector<std::filesystem::path> outputs;
+    std::vector<TaskInput> inputs;
+    std::vector<TaskOutput> outputs;
+    std::vector<std::string> settings; // "name=value"
+    std::filesystem::path scan_root;   // empty unless the stage reads images
     std::filesystem::path record;
-    std::vector<std::size_t> after;              // indices of tasks; always smaller than its own
+    bool is_forced = false;         // computed even when the store has it
+    std::vector<std::size_t> after; // indices of tasks; always smaller than its own
 };
 
-// Tasks scan by scan, in the order of the graph. Throws UsageError for a stage that the graph lacks and InputError for a
-// result of an earlier stage that --from relies on and that is not there.
+// The task's command line: ports, parameters, store and record; threads and memory are added when it starts.
+std::vector<std::string> arguments_of(const Task& task, const std::filesystem::path& store);
+
+// Tasks scan by scan, in the order of the graph. Throws UsageError for a stage that the graph lacks and InputError for
+// a result of an earlier stage that --from relies on and that is not there.
 std::vector<Task> plan_tasks(const Graph& graph, const std::vector<NamedScan>& scans, const Layout& layout,
                              const Selection& selection);
 

@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "base/timer.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -59,6 +60,24 @@ ProcessEnd describe_end(int status, const rusage& usage)
     };
     end.cpu_seconds = seconds(usage.ru_utime) + seconds(usage.ru_stime);
     return end;
+}
+
+Captured capture(ChildProcess& child, const Timer& timer, double timeout_seconds)
+{
+    constexpr int kPollMilliseconds = 100;
+    Captured captured;
+    while (child.read_available(captured.output) && timer.seconds() < timeout_seconds) {
+        pollfd ready{child.pipe(), POLLIN, 0};
+        ::poll(&ready, 1, kPollMilliseconds);
+    }
+    std::optional<ProcessEnd> end = child.poll_end();
+    while (!end && timer.seconds() < timeout_seconds) {
+        ::poll(nullptr, 0, 1); // stdout is closed: the end is a moment away
+        end = child.poll_end();
+    }
+    captured.timed_out = !end;
+    if (end) captured.exit_code = end->exit_code;
+    return captured;
 }
 
 } // namespace
@@ -139,27 +158,18 @@ void ChildProcess::signal_group(int signal) const
     if (pid_ > 0 && ::kill(-pid_, signal) != 0) ::kill(pid_, signal);
 }
 
-std::vector<Captured> capture_all(const std::vector<std::filesystem::path>& programs,
-                                  const std::vector<std::string>& arguments, double timeout_seconds)
+std::vector<Captured> capture_all(const std::vector<Command>& commands, double timeout_seconds)
 {
-    constexpr int kPollMilliseconds = 100;
-    std::vector<ChildProcess> children;
-    for (const auto& program : programs)
-        children.emplace_back(program, arguments, Streams::OutputOnly);
-    std::vector<Captured> results(children.size());
-    const Timer timer;
-    for (std::size_t i = 0; i < children.size(); ++i) {
-        while (children[i].read_available(results[i].output) && timer.seconds() < timeout_seconds) {
-            pollfd ready{children[i].pipe(), POLLIN, 0};
-            ::poll(&ready, 1, kPollMilliseconds);
-        }
-        std::optional<ProcessEnd> end = children[i].poll_end();
-        while (!end && timer.seconds() < timeout_seconds) {
-            ::poll(nullptr, 0, 1); // stdout is closed: the end is a moment away
-            end = children[i].poll_end();
-        }
-        results[i].timed_out = !end;
-        if (end) results[i].exit_code = end->exit_code;
+    constexpr std::size_t kSideBySide = 32;
+    std::vector<Captured> results(commands.size());
+    for (std::size_t begin = 0; begin < commands.size(); begin += kSideBySide) {
+        const std::size_t end = std::min(commands.size(), begin + kSideBySide);
+        std::vector<ChildProcess> children;
+        for (std::size_t i = begin; i < end; ++i)
+            children.emplace_back(commands[i].program, commands[i].arguments, Streams::OutputOnly);
+        const Timer timer;
+        for (std::size_t i = begin; i < end; ++i)
+            results[i] = capture(children[i - begin], timer, timeout_seconds);
     }
     return results;
 }

@@ -48,9 +48,13 @@ struct Captured {
     bool timed_out = false;
 };
 
-// Runs all programs side by side with the same arguments and returns what each wrote to stdout.
-std::vector<Captured> capture_all(const std::vector<std::filesystem::path>& programs,
-                                  const std::vector<std::string>& arguments, double timeout_seconds);
+struct Command {
+    std::filesystem::path program;
+    std::vector<std::string> arguments;
+};
+
+// Runs all commands, a few side by side, and returns what each wrote to stdout. The timeout is for each of them.
+std::vector<Captured> capture_all(const std::vector<Command>& commands, double timeout_seconds);
 
 // The path of the running executable.
 std::filesystem::path executable_path();

@@ -1,5 +1,6 @@
-// What a stage wrote down about its run (`STAGE --record FILE`): the figures that depend on the machine and are therefore
-// kept out of the artifacts. A run that was found in the store repeats the figures of the run that computed it.
+// What a stage wrote down about its run (`STAGE --record FILE`): the figures that depend on the machine and are
+// therefore kept out of the artifacts. A run that was found in the store repeats the figures of the run that computed
+// it.
 #pragma once
 
 #include <cstdint>

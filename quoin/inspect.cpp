@@ -1,0 +1,118 @@
+#include "artifact/artifact.h"
+#include "base/error.h"
+#include "pipeline/text_figures.h"
+#include "quoin/command_line.h"
+#include "quoin/tensor_statistics.h"
+#include "schema/schema.h"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace quoin {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+std::string better_text(Better better)
+{
+    constexpr const char* texts[] = {"lower", "higher", ""};
+    return texts[static_cast<int>(better)];
+}
+
+std::string shape_text(const Tensor& tensor) { return fmt::format("({})", fmt::join(tensor.shape, ", ")); }
+
+// Metadata that is JSON itself is shown as such.
+Json parse_or_text(const std::string& text)
+{
+    Json json = Json::parse(text, nullptr, false);
+    return json.is_structured() ? json : Json(text);
+}
+
+Json statistics_json(const TensorStatistics& statistics)
+{
+    Json json = {{"min", statistics.min}, {"max", statistics.max}, {"mean", statistics.mean}};
+    if (statistics.not_finite > 0) json["not_finite"] = statistics.not_finite;
+    return json;
+}
+
+Json artifact_json(const Artifact& artifact, const std::string& payload)
+{
+    Json json = {{"schema", artifact.schema}, {"schema_version", artifact.schema_version}, {"payload", payload}};
+    for (const auto& [key, value] : artifact.metadata)
+        if (key != "quoin.payload" && key != "quoin.checksums") json["provenance"][key] = parse_or_text(value);
+    json["tensors"] = Json::object();
+    for (const auto& [name, tensor] : artifact.tensors) {
+        json["tensors"][name] = {{"type", name_of(tensor.type)}, {"shape", tensor.shape}};
+        if (const auto statistics = statistics_of(tensor)) json["tensors"][name].update(statistics_json(*statistics));
+    }
+    return json;
+}
+
+Json metrics_json(const Metrics& metrics)
+{
+    Json json = Json::object();
+    for (const auto& metric : metrics)
+        json[metric.name] = {{"value", metric.value}, {"unit", metric.unit}, {"better", better_text(metric.better)}};
+    return json;
+}
+
+void print_tensors(const Artifact& artifact)
+{
+    fmt::print("\n{:<28} {:<5} {:<18} {:>12} {:>12} {:>12}\n", "tensor", "type", "shape", "min", "mean", "max");
+    for (const auto& [name, tensor] : artifact.tensors) {
+        fmt::print("{:<28} {:<5} {:<18}", name, name_of(tensor.type), shape_text(tensor));
+        const auto statistics = statistics_of(tensor);
+        if (statistics)
+            fmt::print(" {:>12.6g} {:>12.6g} {:>12.6g}", statistics->min, statistics->mean, statistics->max);
+        if (statistics && statistics->not_finite > 0) fmt::print("  ({} not finite)", statistics->not_finite);
+        fmt::print("\n");
+    }
+}
+
+void print_metrics(const Metrics& metrics)
+{
+    fmt::print("\n{:<44} {:>14} {:<8} {}\n", "figure", "value", "unit", "better");
+    for (const auto& metric : metrics)
+        fmt::print("{:<44} {:>14.6g} {:<8} {}\n", metric.name, metric.value, metric.unit, better_text(metric.better));
+}
+
+void print_header(const fs::path& path, const Artifact& artifact, const std::string& payload)
+{
+    fmt::print("{}: {}/{}, {}\npayload {}\n", path.string(), artifact.schema, artifact.schema_version,
+               bytes_text(fs::file_size(path)), payload);
+    for (const auto& [key, value] : artifact.metadata)
+        if (key != "quoin.payload" && key != "quoin.checksums") fmt::print("{:<20} {}\n", key, value);
+}
+
+} // namespace
+
+int inspect_verb(const Arguments& arguments)
+{
+    CLI::App app("shows what an artifact is, where it comes from and what it holds", "quoin inspect");
+    std::string file;
+    bool as_json = false;
+    app.add_option("FILE", file, "an artifact (.safetensors)")->required();
+    app.add_flag("--json", as_json, "as JSON");
+    if (!parse_arguments(app, arguments)) return 0;
+    const fs::path path = file;
+    if (!fs::is_regular_file(path)) throw InputError(fmt::format("{}: no such file", file));
+    const Artifact artifact = read_artifact(path);
+    const std::string payload = read_artifact_header(path).payload;
+    const bool is_metrics = artifact.schema == "metrics";
+    if (as_json) {
+        Json json = artifact_json(artifact, payload);
+        if (is_metrics) json["metrics"] = metrics_json(read_metrics(path));
+        fmt::print("{}\n", json.dump(2));
+        return 0;
+    }
+    print_header(path, artifact, payload);
+    if (is_metrics)
+        print_metrics(read_metrics(path));
+    else
+        print_tensors(artifact);
+    return 0;
+}
+
+} // namespace quoin

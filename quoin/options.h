@@ -1,0 +1,47 @@
+// Options that several verbs share: which pipeline, on which scans, to which place.
+#pragma once
+
+#include "pipeline/catalogue.h"
+#include "pipeline/graph.h"
+#include "pipeline/layout.h"
+#include "pipeline/plan.h"
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+namespace quoin {
+
+struct PipelineOptions {
+    std::string pipeline = "indoor";
+    std::vector<std::string> configs;
+    std::vector<std::string> settings;
+    std::vector<std::string> uses;
+
+    void add_to(CLI::App& app);
+
+    // The checked graph. Throws UsageError with everything that is wrong in the files and arguments.
+    Graph load() const;
+};
+
+struct PlaceOptions {
+    std::vector<std::string> scans;
+    std::string out = "out";
+    std::string store;
+
+    void add_to(CLI::App& app);
+
+    Layout layout() const;
+
+    // The scans to work on. A pipeline that makes its own scan has one unnamed scan: itself.
+    std::vector<NamedScan> named_scans(const Graph& graph) const;
+};
+
+// Selection and place of a run that is planned or carried out.
+struct SelectionOptions {
+    Selection selection;
+
+    void add_to(CLI::App& app);
+};
+
+} // namespace quoin

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "pipeline/plan.h"
+
+#include <filesystem>
+#include <vector>
+
+namespace quoin {
+
+// Prints for every task whether the store has its result or it would be computed; runs nothing but `STAGE --key`.
+void print_plan(const std::vector<Task>& tasks, const std::filesystem::path& store);
+
+} // namespace quoin

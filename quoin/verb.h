@@ -1,0 +1,19 @@
+// The verbs of the driver; each has a file of its own.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace quoin {
+
+using Arguments = std::vector<std::string>; // what follows the verb
+
+int run_verb(const Arguments& arguments);
+int plan_verb(const Arguments& arguments);
+int status_verb(const Arguments& arguments);
+int graph_verb(const Arguments& arguments);
+int stages_verb(const Arguments& arguments);
+int describe_verb(const Arguments& arguments);
+int inspect_verb(const Arguments& arguments);
+
+} // namespace quoin
