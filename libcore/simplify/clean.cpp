@@ -1,0 +1,220 @@
+#include "simplify/clean.h"
+
+#include "geometry/union_find.h"
+#include "mesh/adjacency.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+namespace quoin {
+namespace {
+
+struct Cell {
+    std::array<std::int64_t, 3> at{};
+    VertexId vertex = 0;
+};
+
+// For every vertex the smallest id in its grid cell.
+std::vector<VertexId> weld_map(const TriangleMesh& mesh, double distance)
+{
+    std::vector<VertexId> map(mesh.position.size());
+    std::vector<Cell> cells;
+    cells.reserve(map.size());
+    for (VertexId v = 0; v < map.size(); ++v) {
+        map[v] = v;
+        if (!mesh.position[v].allFinite()) continue;
+        const Eigen::Vector3d p = (mesh.position[v].cast<double>() / distance).array().round();
+        if (p.cwiseAbs().maxCoeff() > 9e18) continue;
+        cells.push_back({{std::llround(p.x()), std::llround(p.y()), std::llround(p.z())}, v});
+    }
+    std::sort(cells.begin(), cells.end(),
+              [](const Cell& a, const Cell& b) { return std::tie(a.at, a.vertex) < std::tie(b.at, b.vertex); });
+    for (std::size_t i = 1; i < cells.size(); ++i)
+        if (cells[i].at == cells[i - 1].at) map[cells[i].vertex] = map[cells[i - 1].vertex];
+    return map;
+}
+
+Face sorted(Face face)
+{
+    std::sort(face.begin(), face.end());
+    return face;
+}
+
+bool usable(const TriangleMesh& mesh, const Face& face)
+{
+    if (face[0] == face[1] || face[1] == face[2] || face[2] == face[0]) return false;
+    return std::all_of(face.begin(), face.end(), [&](VertexId v) { return mesh.position[v].allFinite(); });
+}
+
+template <class Keep>
+void keep_faces(PlaneMesh& mesh, const Keep& keep)
+{
+    std::size_t count = 0;
+    for (FaceId f = 0; f < mesh.mesh.face.size(); ++f) {
+        if (!keep(f)) continue;
+        mesh.mesh.face[count] = mesh.mesh.face[f];
+        mesh.face_plane[count++] = mesh.face_plane[f];
+    }
+    mesh.mesh.face.resize(count);
+    mesh.face_plane.resize(count);
+}
+
+// Does an earlier face have the same vertices?
+std::vector<std::uint8_t> repeated_faces(const TriangleMesh& mesh)
+{
+    const auto around = vertex_faces(mesh);
+    std::vector<std::uint8_t> repeated(mesh.face.size(), 0);
+    for (FaceId f = 0; f < mesh.face.size(); ++f) {
+        for (const FaceId g : around.of(mesh.face[f][0])) {
+            if (g >= f) break;
+            if (sorted(mesh.face[f]) == sorted(mesh.face[g])) repeated[f] = 1;
+        }
+    }
+    return repeated;
+}
+
+// An edge of a face as it is sorted: faces of one edge side by side, those of one plane next to each other.
+struct EdgeUse {
+    VertexId low = 0, high = 0;
+    PlaneId plane = 0;
+    std::uint32_t half_edge = 0;
+    bool upwards = false;
+};
+
+class FanSplitter {
+public:
+    explicit FanSplitter(PlaneMesh& mesh) : mesh_(mesh), corners_(3 * mesh.mesh.face.size()) {}
+
+    void split()
+    {
+        join_fans();
+        std::vector<std::uint8_t> taken(mesh_.mesh.position.size(), 0);
+        std::vector<VertexId> vertex(corners_count(), 0); // of the fan with that root
+        for (std::uint32_t c = 0; c < corners_count(); ++c) {
+            VertexId& v = mesh_.mesh.face[c / 3][c % 3];
+            const std::uint32_t root = corners_.find(c);
+            if (root == c) vertex[c] = taken[v] ? copy_of(v) : v;
+            if (root == c && !taken[v]) taken[v] = 1;
+            v = vertex[root];
+        }
+    }
+
+private:
+    std::uint32_t corners_count() const { return static_cast<std::uint32_t>(3 * mesh_.mesh.face.size()); }
+
+    void join_fans()
+    {
+        const auto opposite = opposite_half_edges(mesh_.mesh);
+        std::vector<EdgeUse> crowded;
+        for (std::uint32_t h = 0; h < opposite.size(); ++h) {
+            if (opposite[h] == kNonManifoldEdge)
+                crowded.push_back(use_of(h));
+            else if (opposite[h] != kBorderEdge && h < opposite[h])
+                join(h, opposite[h]);
+        }
+        std::sort(crowded.begin(), crowded.end(), [](const EdgeUse& a, const EdgeUse& b) {
+            return std::tie(a.low, a.high, a.plane, a.half_edge) < std::tie(b.low, b.high, b.plane, b.half_edge);
+        });
+        for (std::size_t i = 0; i + 1 < crowded.size(); ++i) {
+            const EdgeUse &a = crowded[i], &b = crowded[i + 1];
+            if (a.low != b.low || a.high != b.high || a.plane != b.plane || a.upwards == b.upwards) continue;
+            join(a.half_edge, b.half_edge);
+            ++i;
+        }
+    }
+
+    EdgeUse use_of(std::uint32_t h) const
+    {
+        const VertexId a = mesh_.mesh.face[h / 3][h % 3], b = mesh_.mesh.face[h / 3][(h % 3 + 1) % 3];
+        return {std::min(a, b), std::max(a, b), mesh_.face_plane[h / 3], h, a < b};
+    }
+
+    void join(std::uint32_t h, std::uint32_t o)
+    {
+        for (const std::uint32_t c : {h, h / 3 * 3 + (h % 3 + 1) % 3}) {
+            const auto& face = mesh_.mesh.face[o / 3];
+            const VertexId v = mesh_.mesh.face[c / 3][c % 3];
+            const auto d =
+                o / 3 * 3 + static_cast<std::uint32_t>(std::find(face.begin(), face.end(), v) - face.begin());
+            const std::uint32_t r = corners_.find(c), s = corners_.find(d);
+            if (r != s) corners_.join(std::min(r, s), std::max(r, s));
+        }
+    }
+
+    VertexId copy_of(VertexId v)
+    {
+        auto& mesh = mesh_.mesh;
+        mesh.position.push_back(Eigen::Vector3f(mesh.position[v]));
+        if (!mesh.color.empty()) mesh.color.push_back(Rgb8(mesh.color[v]));
+        return static_cast<VertexId>(mesh.position.size() - 1);
+    }
+
+    PlaneMesh& mesh_;
+    UnionFind corners_;
+};
+
+void drop_unused_vertices(TriangleMesh& mesh)
+{
+    std::vector<VertexId> name(mesh.position.size(), 0);
+    for (const auto& face : mesh.face)
+        for (const VertexId v : face)
+            name[v] = 1;
+    VertexId count = 0;
+    for (VertexId v = 0; v < name.size(); ++v) {
+        if (name[v] == 0) continue;
+        mesh.position[count] = mesh.position[v];
+        if (!mesh.color.empty()) mesh.color[count] = mesh.color[v];
+        name[v] = count++;
+    }
+    mesh.position.resize(count);
+    if (!mesh.color.empty()) mesh.color.resize(count);
+    for (auto& face : mesh.face)
+        for (auto& v : face)
+            v = name[v];
+}
+
+void drop_empty_planes(PlaneMesh& mesh)
+{
+    std::vector<PlaneId> name(mesh.plane.size(), 0);
+    for (const PlaneId p : mesh.face_plane)
+        name[p] = 1;
+    PlaneId count = 0;
+    for (PlaneId p = 0; p < name.size(); ++p) {
+        if (name[p] == 0) continue;
+        mesh.plane[count] = mesh.plane[p];
+        mesh.moments[count] = mesh.moments[p];
+        name[p] = count++;
+    }
+    mesh.plane.resize(count);
+    mesh.moments.resize(count);
+    for (auto& p : mesh.face_plane)
+        p = name[p];
+}
+
+} // namespace
+
+void clean_input(PlaneMesh& mesh, const SimplifyParams& params)
+{
+    if (params.weld_distance > 0.0) {
+        const auto name = weld_map(mesh.mesh, params.weld_distance);
+        for (auto& face : mesh.mesh.face)
+            for (auto& v : face)
+                v = name[v];
+    }
+    keep_faces(mesh, [&](FaceId f) { return usable(mesh.mesh, mesh.mesh.face[f]); });
+    const auto repeated = repeated_faces(mesh.mesh);
+    keep_faces(mesh, [&](FaceId f) { return repeated[f] == 0; });
+    mesh.mesh.normal.clear();
+    mesh.vertex_class = classify_vertices(mesh.mesh, mesh.face_plane);
+}
+
+void finish(PlaneMesh& mesh)
+{
+    FanSplitter(mesh).split();
+    drop_unused_vertices(mesh.mesh);
+    drop_empty_planes(mesh);
+    mesh.vertex_class = classify_vertices(mesh.mesh, mesh.face_plane);
+}
+
+} // namespace quoin

@@ -1,0 +1,86 @@
+// Fewer faces in the same planes: quadric edge contraction inside every plane, then along the borders between planes,
+// with every contraction checked against topology and orientation (Garland 1999; Wang & Guo 2019, section 3.2).
+#pragma once
+
+#include "base/param.h"
+#include "mesh/plane_mesh.h"
+
+#include <array>
+
+namespace quoin {
+
+enum class SimplifyMethod { Qem };
+constexpr auto choice_names(SimplifyMethod) { return std::array{"qem"}; }
+
+struct SimplifyParams {
+    SimplifyMethod method = SimplifyMethod::Qem;
+    double max_error = 0.005;
+    double max_inner_error = 0.02;
+    double max_border_shift = 0.02;
+    int face_budget = 0;
+    double snap_distance = 0.02;
+    double crease_angle = 10.0;
+    double max_deviation = 30.0;
+    double min_shape = 0.02;
+    double inner_ratio = 0.0;
+    double border_ratio = 0.0;
+    double face_weight = 1.0;
+    double plane_weight = 1.0;
+    double line_weight = 1.0;
+    double point_weight = 0.001;
+    bool improve_shape = true;
+    double weld_distance = 1e-6;
+
+    static constexpr auto list()
+    {
+        using P = SimplifyParams;
+        return std::tuple{
+            Param{"method", &P::method, "", "how faces are taken away"},
+            Param{"max_error", &P::max_error, "m",
+                  "how far a border between planes may move out of either plane, and a mesh border anywhere", 0.0,
+                  10.0},
+            Param{"max_inner_error", &P::max_inner_error, "m",
+                  "RMS distance to its dense faces that a vertex inside a plane may reach; keeps shapes no plane "
+                  "explains; 0 = no bound",
+                  0.0, 10.0},
+            Param{"max_border_shift", &P::max_border_shift, "m",
+                  "how far a border between planes may move inside them; straightens borders between nearly coplanar "
+                  "planes",
+                  0.0, 10.0},
+            Param{"face_budget", &P::face_budget, "",
+                  "most faces of the result: errors double until they fit; 0 = no budget", 0.0, 1e9},
+            Param{"snap_distance", &P::snap_distance, "m",
+                  "how far vertices move onto their plane, crease or corner before anything is contracted; 0 = not at "
+                  "all",
+                  0.0, 1.0},
+            Param{"crease_angle", &P::crease_angle, "deg",
+                  "planes at less than this angle have no common line to move to", 0.1, 90.0},
+            Param{"max_deviation", &P::max_deviation, "deg",
+                  "angle between a face and its plane that no contraction may exceed", 1.0, 180.0},
+            Param{"min_shape", &P::min_shape, "", "height over longest edge below which no contraction makes a face",
+                  0.0, 0.5},
+            Param{"inner_ratio", &P::inner_ratio, "", "fraction of the vertices inside a plane that are kept at least",
+                  0.0, 1.0},
+            Param{"border_ratio", &P::border_ratio, "", "fraction of the border edges that are kept at least", 0.0,
+                  1.0},
+            Param{"face_weight", &P::face_weight, "", "weight of the distance to the dense faces", 0.0, 1e6},
+            Param{"plane_weight", &P::plane_weight, "", "weight of the distance to the planes of the clusters", 0.0,
+                  1e6},
+            Param{"line_weight", &P::line_weight, "", "weight of the distance to the dense border edges", 0.0, 1e6},
+            Param{"point_weight", &P::point_weight, "",
+                  "weight of the distance to the dense vertices; spreads vertices evenly", 1e-9, 1e6},
+            Param{"improve_shape", &P::improve_shape, "", "flip edges inside planes towards a Delaunay triangulation"},
+            Param{"weld_distance", &P::weld_distance, "m",
+                  "vertices in one cell of a grid of this size become one first; 0 = none", 0.0, 0.01},
+        };
+    }
+};
+
+// Keeps the moments of all planes that keep faces; planes without faces are dropped and the ids of the others move up
+// in order. Colours follow the vertices that stay, normals are dropped, classes are found anew. The result is manifold:
+// vertices on edges of three or more faces, and where fans touch in a point, are split. It has no duplicate face, and
+// no face is turned over against its plane that was not before. Faces with vertices that are not finite are dropped.
+// Throws ImpossibleError if no face is left.
+PlaneMesh simplify(const PlaneMesh& mesh, const SimplifyParams& params);
+
+} // namespace quoin

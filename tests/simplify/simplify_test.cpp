@@ -1,0 +1,251 @@
+#include "simplify/simplify.h"
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "mesh/hygiene.h"
+#include "support/plane_meshes.h"
+
+#include <gmock/gmock.h>
+#include <limits>
+
+namespace quoin {
+namespace {
+
+using namespace testing_support;
+
+bool is_clean(const PlaneMesh& mesh)
+{
+    const auto found = inspect(mesh);
+    return found.non_manifold_edges + found.duplicate_faces + found.bow_tie_vertices + found.folded_pairs +
+               found.zero_area_faces + found.inconsistent_edges + found.isolated_vertices + found.flipped_faces +
+               found.disconnected_planes + found.empty_planes ==
+           0;
+}
+
+// Largest distance of a vertex to the planes of its faces [m].
+double largest_distance_to_planes(const PlaneMesh& mesh)
+{
+    double largest = 0.0;
+    for (FaceId f = 0; f < mesh.mesh.face.size(); ++f)
+        for (int k = 0; k < 3; ++k)
+            largest =
+                std::max(largest, std::abs(mesh.plane[mesh.face_plane[f]].signed_distance(corner(mesh.mesh, f, k))));
+    return largest;
+}
+
+TEST(Simplify, LeavesTwelveFacesOfABox)
+{
+    const auto result = simplify(box({1, 2, 3}, 20), {});
+    EXPECT_EQ(result.mesh.face.size(), 12u);
+    EXPECT_TRUE(is_clean(result));
+    EXPECT_EQ(inspect(result).euler_characteristic, 2);
+}
+
+TEST(Simplify, OfANoisyBoxKeepsFewFacesClosedOnItsPlanes)
+{
+    const auto noisy = with_noise(box({2, 2, 2}, 40), 0.004f);
+    const auto result = simplify(noisy, {});
+    EXPECT_LT(result.mesh.face.size(), noisy.mesh.face.size() / 50);
+    EXPECT_TRUE(is_clean(result));
+    EXPECT_EQ(inspect(result).euler_characteristic, 2);
+    EXPECT_LT(largest_distance_to_planes(result), 0.001);
+}
+
+TEST(Simplify, KeepsPlanesAndMoments)
+{
+    const auto input = box({1, 1, 1}, 5);
+    const auto result = simplify(input, {});
+    ASSERT_EQ(result.plane.size(), 6u);
+    for (PlaneId p = 0; p < 6; ++p) {
+        EXPECT_EQ(result.plane[p].normal, input.plane[p].normal);
+        EXPECT_EQ(result.moments[p].area, input.moments[p].area);
+    }
+}
+
+TEST(Simplify, OfARoomCornerKeepsTheCornerAndTheCreases)
+{
+    const auto result = simplify(with_noise(room_corner(30), 0.003f), {});
+    EXPECT_TRUE(is_clean(result));
+    EXPECT_LT(result.mesh.face.size(), 5400u / 50);
+    EXPECT_EQ(inspect(result).euler_characteristic, 1);
+    float nearest = 1.0f;
+    for (const auto& p : result.mesh.position)
+        nearest = std::min(nearest, p.norm());
+    EXPECT_LT(nearest, 1e-5f);
+}
+
+TEST(Simplify, StraightensASawtoothCrease)
+{
+    // Every second cell along the crease is labelled with the plane of the other side.
+    auto mesh = l_corner(40);
+    for (FaceId f = 0; f < 80; f += 4)
+        mesh.face_plane[f] = 1;
+    mesh.vertex_class = classify_vertices(mesh.mesh, mesh.face_plane);
+    const auto result = simplify(mesh, {});
+    EXPECT_TRUE(is_clean(result));
+    EXPECT_LE(result.mesh.face.size(), 8u);
+    EXPECT_LT(largest_distance_to_planes(result), 0.001);
+}
+
+TEST(Simplify, MovesAMeshBorderByNoMoreThanTheError)
+{
+    auto mesh = l_corner(50);
+    for (auto& p : mesh.mesh.position) // a wavy border at y = 1
+        p.y() *= 1.0f + 0.03f * std::sin(12.0f * p.x());
+    SimplifyParams params;
+    params.max_error = 0.002;
+    const auto result = simplify(mesh, params);
+    EXPECT_TRUE(is_clean(result));
+    EXPECT_NEAR(inspect(result).border_length, inspect(mesh).border_length, 0.02);
+    params.max_error = 0.2;
+    EXPECT_LT(simplify(mesh, params).mesh.face.size(), result.mesh.face.size());
+}
+
+TEST(Simplify, KeepsAnIslandInsideAPlane)
+{
+    auto mesh = join_sheets({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 30}});
+    mesh.plane.push_back(mesh.plane[0]);
+    mesh.moments.push_back(mesh.moments[0]);
+    for (int j = 10; j < 20; ++j)
+        for (int i = 10; i < 20; ++i)
+            for (int half = 0; half < 2; ++half)
+                mesh.face_plane[static_cast<std::size_t>(2 * (30 * j + i) + half)] = 1;
+    mesh.vertex_class = classify_vertices(mesh.mesh, mesh.face_plane);
+    const auto result = simplify(mesh, {});
+    ASSERT_EQ(result.plane.size(), 2u);
+    EXPECT_TRUE(is_clean(result));
+    double island = 0.0;
+    for (FaceId f = 0; f < result.mesh.face.size(); ++f)
+        if (result.face_plane[f] == 1) island += face_area(result.mesh, f);
+    EXPECT_NEAR(island, 1.0 / 9.0, 0.02);
+    EXPECT_LT(result.mesh.face.size(), 40u);
+}
+
+TEST(Simplify, KeepsAtLeastFourFacesOfAClosedSurfaceOfOnePlane)
+{
+    auto mesh = box({0.01, 0.01, 0.01}, 6);
+    std::fill(mesh.face_plane.begin(), mesh.face_plane.end(), 0u);
+    mesh.vertex_class = classify_vertices(mesh.mesh, mesh.face_plane);
+    const auto result = simplify(mesh, {});
+    EXPECT_EQ(result.plane.size(), 1u);
+    EXPECT_GE(result.mesh.face.size(), 4u);
+    EXPECT_EQ(inspect(result).euler_characteristic, 2);
+    EXPECT_EQ(inspect(result).non_manifold_edges + inspect(result).duplicate_faces, 0u);
+}
+
+TEST(Simplify, KeepsAStripWithoutInnerVertices)
+{
+    const auto mesh = join_sheets({{{0, 0, 0}, {1, 0, 0}, {0, 0.1, 0}, 1}, {{0, 0.1, 0}, {1, 0, 0}, {0, 0, 1}, 1}});
+    EXPECT_EQ(simplify(mesh, {}).mesh.face.size(), 4u);
+}
+
+TEST(Simplify, SplitsAnEdgeOfThreeFaces)
+{
+    // A third wall hangs on the crease.
+    const Eigen::Vector3d o(0, 0, 0), x(1, 0, 0);
+    const auto mesh = join_sheets({{o, x, {0, 1, 0}, 12}, {o, {0, 0, 1}, x, 12}, {o, x, {0, -1, -1}, 12}});
+    ASSERT_GT(inspect(mesh).non_manifold_edges, 0u);
+    const auto result = simplify(mesh, {});
+    EXPECT_EQ(inspect(result).non_manifold_edges + inspect(result).bow_tie_vertices, 0u);
+    EXPECT_LT(result.mesh.face.size(), mesh.mesh.face.size() / 5);
+}
+
+TEST(Simplify, DropsBrokenFacesAndPlanesWithoutAny)
+{
+    auto mesh = l_corner(4);
+    mesh.mesh.position.emplace_back(std::numeric_limits<float>::quiet_NaN(), 0.0f, 0.0f);
+    const auto broken = static_cast<VertexId>(mesh.mesh.position.size() - 1);
+    mesh.plane.insert(mesh.plane.begin(), Plane{});
+    mesh.moments.insert(mesh.moments.begin(), Moments{});
+    for (auto& p : mesh.face_plane)
+        ++p;
+    mesh.mesh.face.push_back({0, 1, broken});
+    mesh.mesh.face.push_back({0, 0, 1});
+    mesh.mesh.face.push_back(mesh.mesh.face[0]);
+    mesh.face_plane.insert(mesh.face_plane.end(), 3, 0u);
+    mesh.vertex_class = classify_vertices(mesh.mesh, mesh.face_plane);
+    const auto result = simplify(mesh, {});
+    EXPECT_EQ(result.plane.size(), 2u);
+    EXPECT_EQ(result.mesh.face.size(), 4u);
+    EXPECT_TRUE(is_clean(result));
+}
+
+TEST(Simplify, OfAMeshWithoutFacesIsImpossible) { EXPECT_THROW(simplify(PlaneMesh{}, {}), ImpossibleError); }
+
+TEST(Simplify, WeldsVerticesAtOnePlace)
+{
+    const auto whole = l_corner(10);
+    PlaneMesh soup = whole;
+    soup.mesh.position.clear();
+    for (auto& face : soup.mesh.face)
+        for (auto& v : face) {
+            soup.mesh.position.push_back(whole.mesh.position[v]);
+            v = static_cast<VertexId>(soup.mesh.position.size() - 1);
+        }
+    soup.vertex_class = classify_vertices(soup.mesh, soup.face_plane);
+    EXPECT_EQ(simplify(soup, {}).mesh.face.size(), 4u);
+}
+
+TEST(Simplify, MeetsAFaceBudget)
+{
+    SimplifyParams params;
+    params.max_error = 1e-4;
+    params.snap_distance = 0.0;
+    const auto noisy = with_noise(box({2, 2, 2}, 20), 0.004f);
+    ASSERT_GT(simplify(noisy, params).mesh.face.size(), 200u);
+    params.face_budget = 200;
+    const auto result = simplify(noisy, params);
+    EXPECT_LE(result.mesh.face.size(), 200u);
+    EXPECT_TRUE(is_clean(result));
+}
+
+TEST(Simplify, KeepsTheFractionsAskedFor)
+{
+    SimplifyParams params;
+    params.inner_ratio = 0.5;
+    params.border_ratio = 1.0;
+    const auto mesh = l_corner(20);
+    const auto result = simplify(mesh, params);
+    const auto inner = [](const PlaneMesh& m) {
+        return std::count(m.vertex_class.begin(), m.vertex_class.end(), VertexClass::Inner);
+    };
+    EXPECT_GE(inner(result), inner(mesh) / 4);
+    EXPECT_EQ(inspect(result).border_edges, inspect(mesh).border_edges);
+}
+
+TEST(Simplify, GivesTheSameBytesForAnyNumberOfThreads)
+{
+    const auto noisy = with_noise(box({2, 2, 2}, 30), 0.01f);
+    set_thread_count(1);
+    const auto one = simplify(noisy, {});
+    for (const int threads : {2, 4}) {
+        set_thread_count(threads);
+        const auto many = simplify(noisy, {});
+        EXPECT_EQ(one.mesh.face, many.mesh.face);
+        EXPECT_EQ(one.face_plane, many.face_plane);
+        EXPECT_TRUE(one.mesh.position == many.mesh.position);
+    }
+    set_thread_count(0);
+}
+
+TEST(Simplify, NeverWorsensAMeshOfRandomLabels)
+{
+    for (unsigned seed = 0; seed < 8; ++seed) {
+        auto mesh = with_noise(box({1, 1, 1}, 10), 0.02f, seed);
+        std::mt19937 random(seed);
+        for (auto& p : mesh.face_plane)
+            if (random() % 4 == 0) p = random() % 6;
+        mesh.vertex_class = classify_vertices(mesh.mesh, mesh.face_plane);
+        const auto before = inspect(mesh), after = inspect(simplify(mesh, {}));
+        EXPECT_EQ(after.euler_characteristic, 2) << seed;
+        EXPECT_EQ(after.non_manifold_edges + after.duplicate_faces + after.bow_tie_vertices + after.inconsistent_edges,
+                  0u)
+            << seed;
+        EXPECT_LE(after.flipped_faces, before.flipped_faces) << seed;
+        EXPECT_LE(after.folded_pairs, before.folded_pairs + 3)
+            << seed; // over borders, where faces look away from their planes
+    }
+}
+
+} // namespace
+} // namespace quoin
