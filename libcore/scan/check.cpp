@@ -54,6 +54,17 @@ double median(std::vector<double>& values)
     return *middle;
 }
 
+// Frames that `seconds` span, by the median time between two; from 1 to half of them.
+std::size_t frames_between(const Scan& scan, const std::vector<FrameId>& ids, double seconds)
+{
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < ids.size(); ++i)
+        steps.push_back(scan.frames[ids[i]].time - scan.frames[ids[i - 1]].time);
+    const double step = median(steps);
+    const double wanted = step > 0.0 ? std::round(seconds / step) : 1.0;
+    return static_cast<std::size_t>(std::clamp(wanted, 1.0, static_cast<double>(ids.size() / 2)));
+}
+
 int changes(const PoseConvention& a, const PoseConvention& b)
 {
     return (a.world_to_camera != b.world_to_camera) + (a.y_up_z_back != b.y_up_z_back) + (a.flip_y != b.flip_y);
@@ -84,8 +95,8 @@ ReprojectionCheck::ReprojectionCheck(const ScanImages& images, std::vector<Eigen
     : camera_(images.scan().depth)
 {
     const std::vector<FrameId> ids = frames_to_compare(images.scan());
-    const std::size_t gap = std::min(static_cast<std::size_t>(settings.gap), ids.size() / 2);
-    if (gap == 0 || settings.pairs == 0) return;
+    if (ids.size() < 2 || settings.pairs == 0) return;
+    const std::size_t gap = frames_between(images.scan(), ids, settings.gap);
     const std::size_t possible = ids.size() - gap;
     const std::size_t count = std::min(static_cast<std::size_t>(settings.pairs), possible);
     std::map<FrameId, std::size_t> view_of; // a frame can be in two pairs

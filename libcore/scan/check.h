@@ -16,7 +16,7 @@ struct ScanCheck {
 
 struct CheckSettings {
     int pairs = 20;
-    int gap = 20; // frames between the two of a pair; smaller in a short scan
+    double gap = 0.67; // between the frames of a pair [s]; at least one frame, at most half the scan
 };
 
 // One way to read a scan: the convention of its poses and its depth unit.
@@ -28,7 +28,7 @@ struct Reading {
 // Poses as listed, one per frame of the scan.
 class ReprojectionCheck {
 public:
-    // Reads the depth of evenly spread pairs (i, i + gap) of frames that are in use and have depth.
+    // Reads the depth of evenly spread pairs (i, i + n) of frames that are in use and have depth.
     ReprojectionCheck(const ScanImages& images, std::vector<Eigen::Matrix4d> listed_poses,
                       const CheckSettings& settings);
 

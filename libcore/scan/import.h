@@ -33,8 +33,8 @@ struct ImportParams {
     int hold_out = 0;
     std::string dense_mesh = "auto";
     int check_pairs = 20;
-    int check_gap = 20;
-    double check_ratio = 3.0;
+    double check_gap = 0.67;
+    double check_ratio = 2.0;
 
     static constexpr auto list()
     {
@@ -90,7 +90,8 @@ struct ImportParams {
                   "the scan's own dense mesh: a PLY file of the folder, auto, or none"},
             Param{"check_pairs", &P::check_pairs, "", "pairs of frames whose depth is compared; 0 = no comparison", 0.0,
                   1000.0, report_only},
-            Param{"check_gap", &P::check_gap, "", "frames between the two of a pair", 1.0, 1e6, report_only},
+            Param{"check_gap", &P::check_gap, "s", "time between the two frames of a pair; 20 frames at 30 Hz", 0.0,
+                  1e6, report_only},
             Param{"check_ratio", &P::check_ratio, "", "report another convention that fits so many times better", 1.0,
                   1e6, report_only},
         };

@@ -55,8 +55,10 @@ public:
     ScanImages(const Scan& scan, std::filesystem::path root);
     ColorImage color(FrameId id) const; // undistorted, size of scan.color
     GrayImage gray(FrameId id) const;   // luma of color()
-    DepthImage depth(FrameId id)
-        const; // [m], 0 = missing (0 and 65535 in the file), size of scan.depth; empty if the frame has none
+    // As recorded, at 1/reduction (1, 2, 4) of the size: for measures that need no geometry.
+    GrayImage recorded_gray(FrameId id, int reduction) const;
+    // [m], 0 = missing (0 and 65535 in the file), size of scan.depth; empty if the frame has none.
+    DepthImage depth(FrameId id) const;
     std::vector<std::byte> bytes(const ScanFile& file) const; // any other file of the scan, such as its dense mesh
     const Scan& scan() const { return *scan_; }
 

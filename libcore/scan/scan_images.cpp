@@ -21,6 +21,13 @@ const Frame& frame_of(const Scan& scan, FrameId id)
                     scan.frames.size()));
 }
 
+const ScanFile& color_file(const Scan& scan, FrameId id)
+{
+    const ScanFile& file = frame_of(scan, id).color;
+    if (file.name.empty()) throw InputError(fmt::format("frame {} of the scan has no colour image", id));
+    return file;
+}
+
 std::vector<std::byte> read_checked(const fs::path& path, const ScanFile& file)
 {
     std::vector<std::byte> bytes = read_bytes(path);
@@ -63,8 +70,7 @@ ScanImages::ScanImages(const Scan& scan, fs::path root) : scan_(&scan), root_(st
 
 ColorImage ScanImages::color(FrameId id) const
 {
-    const ScanFile& file = frame_of(*scan_, id).color;
-    if (file.name.empty()) throw InputError(fmt::format("frame {} of the scan has no colour image", id));
+    const ScanFile& file = color_file(*scan_, id);
     const fs::path path = root_ / file.name;
     ColorImage image = decode_color(read_checked(path, file), path.string());
     check_size(image, scan_->color, path);
@@ -74,6 +80,13 @@ ColorImage ScanImages::color(FrameId id) const
 std::vector<std::byte> ScanImages::bytes(const ScanFile& file) const { return read_checked(root_ / file.name, file); }
 
 GrayImage ScanImages::gray(FrameId id) const { return to_gray(color(id)); }
+
+GrayImage ScanImages::recorded_gray(FrameId id, int reduction) const
+{
+    const ScanFile& file = color_file(*scan_, id);
+    const fs::path path = root_ / file.name;
+    return decode_gray(read_checked(path, file), path.string(), reduction);
+}
 
 DepthImage ScanImages::depth(FrameId id) const
 {
