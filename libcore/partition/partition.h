@@ -17,7 +17,7 @@ struct PartitionParams {
     double max_error = 0.008;
     GrowthMethod method = GrowthMethod::Hybrid;
     double min_facing = 0.5;
-    int round_faces = 16;
+    int round_faces = 8;
     int round_reserve = 5;
     double grow_angle = 30.0;
     int refine_rounds = 8;
