@@ -1,0 +1,100 @@
+#include "pipeline/fake_stages.h"
+
+#include <fstream>
+#include <sstream>
+
+namespace quoin::test {
+namespace fs = std::filesystem;
+namespace {
+
+std::string port_json(std::string port)
+{
+    const bool optional = port.starts_with('?');
+    if (optional) port.erase(0, 1);
+    std::string schema = port;
+    std::string version = "1";
+    if (const auto colon = port.find(':'); colon != std::string::npos) {
+        const auto slash = port.find('/');
+        schema = port.substr(colon + 1, slash - colon - 1);
+        version = port.substr(slash + 1);
+        port.resize(colon);
+    }
+    return R"({"port":")" + port + R"(","schema":")" + schema + R"(","version":)" + version + R"(,"optional":)" +
+           (optional ? "true" : "false") + R"(,"doc":""})";
+}
+
+std::string ports_json(const std::vector<std::string>& ports)
+{
+    std::string text;
+    for (const auto& port : ports)
+        text += (text.empty() ? "" : ",") + port_json(port);
+    return "[" + text + "]";
+}
+
+constexpr const char* kParams = R"([
+ {"name":"size","type":"float","default":0.5,"unit":"m","min":0.0,"max":1.0,"doc":""},
+ {"name":"count","type":"int","default":3,"unit":"","min":0,"doc":""},
+ {"name":"mode","type":"choice","default":"fast","choices":["fast","exact"],"unit":"","doc":""},
+ {"name":"flag","type":"bool","default":false,"unit":"","doc":""}])";
+
+std::string script(const FakeStage& stage)
+{
+    const std::string name = stage.name;
+    return "#!/bin/bash\nhere=$(dirname \"$0\")\n"
+           "if [ \"$1\" = --describe ]; then cat <<'JSON'\n"
+           R"({"name":")" +
+           name + R"(","summary":"","impl_version":1,"inputs":)" + ports_json(stage.inputs) + R"(,"outputs":)" +
+           ports_json(stage.outputs) + R"(,"params":)" + kParams +
+           "}\nJSON\nexit 0; fi\n"
+           "echo start " +
+           name +
+           " >> $here/log\n"
+           "echo \"$@\" > $here/" +
+           name +
+           ".arguments\n"
+           "outputs=(); record=; while [ $# -gt 0 ]; do case $1 in --out) outputs+=(\"${2#*=}\");; --record) "
+           "record=$2;; esac; shift 2; done\n" +
+           stage.body +
+           "\n"
+           "for output in \"${outputs[@]}\"; do echo " +
+           name +
+           " > \"$output.tmp\"; mv \"$output.tmp\" \"$output\"; done\n"
+           R"(echo '{"stage":")" +
+           name +
+           R"(","cached":false,"seconds":1.5,"peak_memory_bytes":1000000}' > "$record")"
+           "\n"
+           "echo end " +
+           name + " >> $here/log\n";
+}
+
+std::string read(const fs::path& path)
+{
+    std::ifstream file(path);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+}
+
+} // namespace
+
+FakeStages::FakeStages(const std::vector<FakeStage>& stages)
+{
+    for (const auto& stage : stages) {
+        const fs::path path = folder() / stage.name;
+        std::ofstream(path) << script(stage);
+        fs::permissions(path, fs::perms::owner_all);
+    }
+}
+
+std::vector<std::string> FakeStages::log() const
+{
+    std::vector<std::string> lines;
+    std::ifstream file(folder() / "log");
+    for (std::string line; std::getline(file, line);)
+        lines.push_back(line);
+    return lines;
+}
+
+std::string FakeStages::arguments(const std::string& name) const { return read(folder() / (name + ".arguments")); }
+
+} // namespace quoin::test
