@@ -1,0 +1,60 @@
+// The energy E_c + lambda_p E_p + lambda_t E_t + lambda_d E_d of a fixed set of observations.
+#pragma once
+
+#include "alignment/depth_term.h"
+#include "alignment/line_term.h"
+#include "alignment/observations.h"
+#include "alignment/plane_term.h"
+#include "alignment/pose_prior.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace quoin {
+
+// Everything that is summed, at one pyramid level. Residuals count in units of their noise.
+struct AlignmentProblem {
+    const AlignmentScene& scene;
+    int level = 0;
+    Texels texels;
+    Observations observations;
+    DepthSamples depths;
+    std::vector<LineObservation> lines; // line_term reprojection
+    DepthSamples line_depths;           // line_term depth
+    std::vector<PlaneScatter> scatter;  // P
+    double lambda_p = 0.0;
+    AlignmentState input;                    // where the priors pull to
+    std::vector<std::uint8_t> frame_is_free; // K; others keep their pose
+    std::vector<std::uint8_t> plane_is_free; // P
+};
+
+// Weighted sums of each term.
+struct Energy {
+    double color = 0.0, plane = 0.0, line = 0.0, depth = 0.0, prior = 0.0;
+    double total() const { return color + plane + line + depth + prior; }
+};
+struct BlockEnergies {
+    Energy sum;
+    std::vector<double> of_frame; // K: all terms in which the frame's pose takes part
+    std::vector<double> of_plane; // P: all terms in which the plane takes part
+};
+
+// Texel colours that fit the state best.
+std::vector<float> best_colors(const AlignmentProblem& problem, const AlignmentState& state);
+
+BlockEnergies energies(const AlignmentProblem& problem, const AlignmentState& state,
+                       const std::vector<float>& texel_color);
+Energy energy(const AlignmentProblem& problem, const AlignmentState& state);
+
+// Prior of the shared calibration: squared deviations from the input in units of their expected errors.
+struct CalibrationBlock {
+    double cost = 0.0;
+    CalibrationStep g = CalibrationStep::Zero();
+    Eigen::Matrix<double, 9, 9> H = Eigen::Matrix<double, 9, 9>::Zero();
+};
+CalibrationBlock calibration_prior(const OptimizeTextureParams& params, const ColorCamera& color,
+                                   const ColorCamera& input);
+
+PosePrior pose_prior(const OptimizeTextureParams& params);
+
+} // namespace quoin

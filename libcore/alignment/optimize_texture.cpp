@@ -1,0 +1,197 @@
+#include "alignment/optimize_texture.h"
+
+#include "alignment/channel_exposure.h"
+#include "alignment/problem.h"
+#include "alignment/solver.h"
+#include "base/error.h"
+#include "base/log.h"
+#include "base/progress.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <numbers>
+
+namespace quoin {
+namespace {
+
+constexpr int kReferenceStride = 4; // the fixed set that energies are reported on is this much sparser than the texels
+constexpr int kMinLevelSize = 24;   // [px]; smaller images show nothing to align
+
+void check(const OptimizeTextureParams& params)
+{
+    if (params.min_depth >= params.max_depth)
+        throw UsageError(fmt::format("optimize-texture: min_depth ({} m) must be smaller than max_depth ({} m)",
+                                     params.min_depth, params.max_depth));
+}
+
+OptimizeTextureParams with_usable_levels(OptimizeTextureParams params, const Camera& camera)
+{
+    if (params.solver == AlignmentSolver::Alternating) params.levels = 1;
+    while (params.levels > 1 && std::min(camera.width, camera.height) >> (params.levels - 1) < kMinLevelSize)
+        --params.levels;
+    return params;
+}
+
+double level_spacing(const OptimizeTextureParams& params, int level)
+{
+    return params.texel_size * params.texel_stride * (1 << level);
+}
+
+// lambda_p, or with PlaneWeight::Balanced lambda_p E_c / E_p of the input.
+double plane_weight(const AlignmentProblem& reference, const AlignmentState& state)
+{
+    const OptimizeTextureParams& params = reference.scene.params;
+    if (params.plane_weight == PlaneWeight::Fixed) return params.lambda_p;
+    AlignmentProblem unit = reference;
+    unit.lambda_p = 1.0;
+    const Energy start = energy(unit, state);
+    return start.plane > 0.0 ? params.lambda_p * start.color / start.plane : params.lambda_p;
+}
+
+// Mean costs over the fixed set, in the order of kEnergyNames.
+const std::vector<std::string> kEnergyNames{"total", "color", "plane", "line", "depth", "prior"};
+
+std::vector<double> mean_energies(const AlignmentProblem& reference, const AlignmentState& state)
+{
+    const Energy e = energy(reference, state);
+    const auto mean = [](double sum, double count) { return count > 0.0 ? sum / count : 0.0; };
+    double points = 0.0;
+    for (const PlaneScatter& scatter : reference.scatter)
+        points += scatter.weight;
+    const auto colors = static_cast<double>(reference.observations.size());
+    const auto depths = static_cast<double>(reference.depths.sample.size());
+    const auto lines = static_cast<double>(2 * reference.lines.size() + reference.line_depths.sample.size());
+    const auto frames = static_cast<double>(reference.scene.frames());
+    return {mean(e.total(), colors + depths + lines),
+            mean(e.color, colors),
+            mean(e.plane, points),
+            mean(e.line, lines),
+            mean(e.depth, depths),
+            mean(e.prior, frames)};
+}
+
+AlignmentState minimize(const ProblemSource& source, AlignmentState state, const OnIteration& on_iteration)
+{
+    const OptimizeTextureParams& params = source.scene.params;
+    if (params.solver == AlignmentSolver::Alternating) {
+        const auto problem = make_problem(source, state, 0, level_spacing(params, 0), TexelChoice::All);
+        return minimize_alternating(problem, std::move(state), on_iteration);
+    }
+    Progress progress("aligning", static_cast<std::size_t>(params.levels * params.visibility_rounds));
+    for (int level = params.levels - 1; level >= 0; --level)
+        for (int round = 0; round < params.visibility_rounds; ++round) {
+            const auto problem =
+                make_problem(source, state, level, level_spacing(params, level), TexelChoice::Selected);
+            log_debug(
+                fmt::format("optimize-texture: level {} compares {} texels in {} observations, {} depths and {} lines",
+                            level, problem.texels.size(), problem.observations.size(), problem.depths.sample.size(),
+                            problem.lines.size()));
+            state = minimize_jointly(problem, std::move(state), on_iteration);
+            progress.step();
+        }
+    return state;
+}
+
+bool moved_too_far(const Rigid& from, const Rigid& to, const OptimizeTextureParams& params)
+{
+    const Vector3 shift = to.inverse().translation() - from.inverse().translation();
+    const double angle = rotation_angle(to.linear() * from.linear().transpose());
+    return !(shift.norm() <= params.max_translation) || !(angle <= params.max_rotation * std::numbers::pi / 180.0);
+}
+
+// Puts back the frames that went astray: moved beyond belief, or worse on the fixed set than before.
+AlignmentState without_strays(const AlignmentProblem& reference, const AlignmentState& input, AlignmentState state)
+{
+    const OptimizeTextureParams& params = reference.scene.params;
+    const BlockEnergies before = energies(reference, input, best_colors(reference, input));
+    const BlockEnergies after = energies(reference, state, best_colors(reference, state));
+    std::size_t strays = 0;
+    for (std::size_t k = 0; k < state.camera_from_world.size(); ++k) {
+        const bool worse = after.of_frame[k] > (1.0 + params.max_increase) * before.of_frame[k];
+        if (!worse && !moved_too_far(input.camera_from_world[k], state.camera_from_world[k], params)) continue;
+        state.camera_from_world[k] = input.camera_from_world[k];
+        state.exposure[k] = {};
+        ++strays;
+    }
+    if (strays > 0)
+        log_warning(fmt::format("optimize-texture: {} of {} keyframes could not be aligned and keep their input pose",
+                                strays, state.camera_from_world.size()));
+    return state;
+}
+
+void warn_of_blind_frames(const AlignmentProblem& reference)
+{
+    const auto blind = std::ranges::count(reference.frame_is_free, 0);
+    if (blind > 0 && reference.scene.params.optimize_poses)
+        log_warning(
+            fmt::format("optimize-texture: {} of {} keyframes see too little of the planes and keep their input pose",
+                        blind, reference.scene.frames()));
+}
+
+void report(const AlignmentState& input, const AlignmentState& state, const std::vector<std::vector<double>>& rows)
+{
+    log_info(fmt::format("optimize-texture: mean colour cost {:.4f} -> {:.4f}, mean depth cost {:.4f} -> {:.4f}",
+                         rows.front()[1], rows.back()[1], rows.front()[4], rows.back()[4]));
+    const Camera &was = input.color.camera, &is = state.color.camera;
+    if (was.fx == is.fx) return;
+    const Vector3 t = state.color.color_from_depth.inverse().translation() * 1000.0;
+    log_info(
+        fmt::format("optimize-texture: colour camera f {:.1f} -> {:.1f}, cx {:.1f} -> {:.1f}, cy {:.1f} -> {:.1f} px; "
+                    "depth_from_color ({:.1f}, {:.1f}, {:.1f}) mm, {:.2f} deg",
+                    was.fx, is.fx, was.cx, is.cx, was.cy, is.cy, t.x(), t.y(), t.z(),
+                    rotation_angle(state.color.color_from_depth.linear()) * 180.0 / std::numbers::pi));
+}
+
+Alignment to_alignment(const AlignmentState& state, std::vector<std::vector<double>> energy)
+{
+    Alignment alignment;
+    alignment.camera_from_world = state.camera_from_world;
+    for (const CenteredPlane& plane : state.plane)
+        alignment.plane.push_back(plane.plane());
+    alignment.gain.assign(state.camera_from_world.size(), Eigen::Vector3f::Ones());
+    alignment.bias.assign(state.camera_from_world.size(), Eigen::Vector3f::Zero());
+    alignment.color = state.color.camera;
+    alignment.depth_from_color = state.color.color_from_depth.inverse();
+    alignment.energy_name = kEnergyNames;
+    alignment.energy = std::move(energy);
+    return alignment;
+}
+
+} // namespace
+
+Alignment optimize_texture(const AlignmentInput& input, const OptimizeTextureParams& requested)
+{
+    check(requested);
+    const OptimizeTextureParams params = with_usable_levels(requested, input.scan.color);
+    const AlignmentScene scene = load_scene(input.scan, input.read, input.keyframes, input.mesh, params);
+    const AlignmentState start = input_state(input.scan, input.keyframes, input.mesh);
+    ProblemSource source{scene, input.keyframes, input.lines, start, params.lambda_p};
+    AlignmentProblem reference =
+        make_problem(source, start, 0, kReferenceStride * level_spacing(params, 0), TexelChoice::All);
+    source.lambda_p = reference.lambda_p = plane_weight(reference, start);
+    warn_of_blind_frames(reference);
+
+    std::vector<std::vector<double>> rows{mean_energies(reference, start)};
+    const auto record = [&](const AlignmentState& state) { rows.push_back(mean_energies(reference, state)); };
+    AlignmentState state = without_strays(reference, start, minimize(source, start, record));
+    record(state);
+    if (!(rows.back()[0] <= rows.front()[0])) {
+        log_warning("optimize-texture: the alignment did not lower the energy; poses and planes stay as they were");
+        state = start;
+        record(state);
+    }
+    report(start, state, rows);
+    Alignment alignment = to_alignment(state, std::move(rows));
+    if (params.optimize_exposure)
+        set_channel_exposures(alignment, {scene, input.keyframes, input.read, reference.texels}, state);
+    return alignment;
+}
+
+Alignment optimize_texture(const ScanImages& images, const Keyframes& keyframes, const PlaneMesh& mesh,
+                           const LineMatches& lines, const OptimizeTextureParams& params)
+{
+    const ImageReader read{[&](FrameId id) { return images.color(id); }, [&](FrameId id) { return images.depth(id); }};
+    return optimize_texture({images.scan(), read, keyframes, mesh, lines}, params);
+}
+
+} // namespace quoin

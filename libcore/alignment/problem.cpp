@@ -1,0 +1,73 @@
+#include "alignment/problem.h"
+
+namespace quoin {
+namespace {
+
+std::vector<std::uint8_t> free_frames(const AlignmentProblem& problem)
+{
+    const OptimizeTextureParams& params = problem.scene.params;
+    const auto count = [](const std::vector<std::uint32_t>& first, std::size_t k) { return first[k + 1] - first[k]; };
+    std::vector<std::uint8_t> is_free(problem.scene.frames(), 0);
+    for (std::size_t k = 0; k < is_free.size() && params.optimize_poses; ++k) {
+        const std::uint32_t depths = params.lambda_d > 0.0 ? count(problem.depths.first_of_frame, k) : 0;
+        is_free[k] = count(problem.observations.first_of_frame, k) + depths >=
+                     static_cast<std::uint32_t>(params.min_observations);
+    }
+    return is_free;
+}
+
+std::vector<std::uint8_t> free_planes(const AlignmentProblem& problem)
+{
+    const OptimizeTextureParams& params = problem.scene.params;
+    std::vector<std::uint32_t> count(problem.scatter.size(), 0);
+    for (const TexelId t : problem.observations.texel)
+        ++count[problem.texels.plane[t]];
+    if (params.lambda_d > 0.0)
+        for (const DepthSample& sample : problem.depths.sample)
+            ++count[sample.plane];
+    std::vector<std::uint8_t> is_free(count.size(), 0);
+    for (std::size_t p = 0; p < count.size() && params.optimize_planes; ++p)
+        is_free[p] =
+            problem.scatter[p].weight > 0.0 && count[p] >= static_cast<std::uint32_t>(params.min_plane_observations);
+    return is_free;
+}
+
+} // namespace
+
+AlignmentState input_state(const Scan& scan, const Keyframes& keyframes, const PlaneMesh& mesh)
+{
+    AlignmentState state;
+    for (const FrameId id : keyframes.frame)
+        state.camera_from_world.push_back(scan.frames[id].camera_from_world);
+    for (std::size_t p = 0; p < mesh.plane.size(); ++p)
+        state.plane.push_back(centered(mesh.plane[p], mesh.moments[p].centroid()));
+    state.exposure.resize(keyframes.frame.size());
+    state.color = {scan.color, scan.depth_from_color.inverse()};
+    return state;
+}
+
+AlignmentProblem make_problem(const ProblemSource& source, const AlignmentState& state, int level, double spacing,
+                              TexelChoice choice)
+{
+    const AlignmentScene& scene = source.scene;
+    AlignmentProblem problem{
+        scene, level, sample_texels(scene.mesh, spacing), {}, {}, {}, {}, {}, source.lambda_p, source.input, {}, {}};
+    problem.scatter = scene.params.plane_term == PlaneTermKind::Moments ? scatters_of_moments(scene.mesh, spacing)
+                                                                        : scatters_of_texels(problem.texels);
+    problem.observations = observe(scene, state, problem.texels, level);
+    if (choice == TexelChoice::Selected) {
+        const auto keep = select_texels(scene, state, problem.texels, problem.observations, level);
+        problem.texels = kept(problem.texels, keep);
+        problem.observations = kept(problem.observations, keep);
+    }
+    problem.depths = sample_depths(scene, state);
+    if (scene.params.line_term == LineTermKind::Reprojection)
+        problem.lines = line_observations(scene, state, source.keyframes, source.lines);
+    else
+        problem.line_depths = line_depths(scene, state, source.keyframes, source.lines);
+    problem.frame_is_free = free_frames(problem);
+    problem.plane_is_free = free_planes(problem);
+    return problem;
+}
+
+} // namespace quoin

@@ -1,0 +1,26 @@
+// Builds what a solver minimises: which texels, depths and lines are compared, and what may move.
+#pragma once
+
+#include "alignment/energy.h"
+
+namespace quoin {
+
+// Texels: every one, or those with the largest gradients.
+enum class TexelChoice { All, Selected };
+
+struct ProblemSource {
+    const AlignmentScene& scene;
+    const Keyframes& keyframes;
+    const LineMatches& lines;
+    AlignmentState input; // where the priors pull to
+    double lambda_p = 0.0;
+};
+
+// Input poses, planes about the centres of their clusters, no change of exposure.
+AlignmentState input_state(const Scan& scan, const Keyframes& keyframes, const PlaneMesh& mesh);
+
+// The observations that `state` sees on a grid of `spacing` [m] at a pyramid level.
+AlignmentProblem make_problem(const ProblemSource& source, const AlignmentState& state, int level, double spacing,
+                              TexelChoice choice);
+
+} // namespace quoin

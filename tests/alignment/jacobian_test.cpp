@@ -1,0 +1,272 @@
+// Every derivative of the alignment against central differences.
+#include "alignment/depth_term.h"
+#include "alignment/line_term.h"
+#include "alignment/photometric.h"
+#include "alignment/plane_term.h"
+#include "alignment/pose_prior.h"
+#include "image/sampling.h"
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <random>
+
+namespace quoin {
+namespace {
+
+constexpr double kMaxRelativeError = 1e-5;
+
+Eigen::VectorXd central_differences(int size, double h, const std::function<double(const Eigen::VectorXd&)>& f)
+{
+    Eigen::VectorXd derivative(size);
+    for (int i = 0; i < size; ++i) {
+        const Eigen::VectorXd step = h * Eigen::VectorXd::Unit(size, i);
+        derivative[i] = (f(step) - f(-step)) / (2.0 * h);
+    }
+    return derivative;
+}
+
+void expect_equal(const Eigen::VectorXd& analytic, const Eigen::VectorXd& numeric, double tolerance = kMaxRelativeError)
+{
+    ASSERT_EQ(analytic.size(), numeric.size());
+    EXPECT_GT(analytic.norm(), 0.0);
+    EXPECT_LT((analytic - numeric).norm(), tolerance * numeric.norm()) << analytic.transpose() << "\n"
+                                                                       << numeric.transpose();
+}
+
+struct Random {
+    std::mt19937 generator;
+    double operator()(double low, double high) { return std::uniform_real_distribution<double>(low, high)(generator); }
+    Vector3 vector(double size) { return {(*this)(-size, size), (*this)(-size, size), (*this)(-size, size)}; }
+    Rigid rigid(double angle, double shift)
+    {
+        const Vector3 omega = vector(angle);
+        return exp_twist(twist(omega, vector(shift)));
+    }
+};
+
+// One frame that looks along +z at a tilted plane, and a second plane that crosses it.
+AlignmentState random_state(Random& random)
+{
+    AlignmentState state;
+    state.camera_from_world = {random.rigid(0.1, 0.2)};
+    for (const Vector3& normal : {Vector3(0.1, 0.2, -1.0), Vector3(-0.9, 0.3, -0.4)})
+        state.plane.push_back(
+            {(normal + random.vector(0.1)).normalized(), random(-0.02, 0.02), Vector3(0, 0, 2) + random.vector(0.2)});
+    state.exposure = {{random(0.8, 1.2), random(-0.1, 0.1)}};
+    state.color.camera = {.width = 64, .height = 48, .fx = 50.0, .fy = 52.0, .cx = 31.0, .cy = 24.5};
+    state.color.color_from_depth = random.rigid(0.05, 0.05);
+    return state;
+}
+
+// A linear image: its bilinear surface is exact everywhere, so differences across pixels are exact too.
+GrayImage ramp(int width, int height)
+{
+    GrayImage image(width, height);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x)
+            image.at(x, y) = 0.002f * static_cast<float>(3 * x + 2 * y) + 0.1f;
+    return image;
+}
+
+// Grey of the ramp in double, so that differences are not drowned by the rounding of floats.
+double ramp_gray(const AlignmentState& state, const CenteredPlane& plane, const Vector3& p)
+{
+    const Vector3 x = state.color.color_from_depth * (state.camera_from_world[0] * plane.project(p));
+    const Eigen::Vector2d u = state.color.camera.project(x);
+    const double slope = static_cast<double>(0.002f);
+    return state.exposure[0].gain * (slope * (3 * u.x() + 2 * u.y()) + 0.1) + state.exposure[0].bias;
+}
+
+FrameSampler sampler(const AlignmentState& state, const GrayImage& image)
+{
+    return {
+        image, state.color.camera, 1.0, state.camera_from_world[0], state.color.color_from_depth, state.exposure[0]};
+}
+
+TEST(PhotometricRow, HasTheDerivativeByPosePlaneAndCalibration)
+{
+    const GrayImage image = ramp(64, 48);
+    for (unsigned seed = 0; seed < 20; ++seed) {
+        Random random{std::mt19937(seed)};
+        const AlignmentState state = random_state(random);
+        const CenteredPlane& plane = state.plane[0];
+        const Vector3 p = plane.project(Vector3(0, 0, 2) + random.vector(0.3)) + random(-0.05, 0.05) * plane.normal;
+        const auto row = photometric_row(sampler(state, image), plane, plane.tangents(), p);
+        EXPECT_NEAR(row.value, ramp_gray(state, plane, p), 1e-6);
+        EXPECT_FLOAT_EQ(static_cast<float>(row.value), corrected_gray(sampler(state, image), plane, p));
+
+        const auto by_pose = [&](const Eigen::VectorXd& step) {
+            AlignmentState s = state;
+            s.camera_from_world[0] = moved(s.camera_from_world[0], step);
+            return ramp_gray(s, plane, p);
+        };
+        const auto by_plane = [&](const Eigen::VectorXd& step) { return ramp_gray(state, plane.moved(step), p); };
+        const auto by_calibration = [&](const Eigen::VectorXd& step) {
+            AlignmentState s = state;
+            s.color = s.color.moved(step);
+            return ramp_gray(s, plane, p);
+        };
+        expect_equal(row.pose, central_differences(6, 1e-5, by_pose));
+        expect_equal(row.plane, central_differences(3, 1e-5, by_plane));
+        expect_equal(row.calibration, central_differences(9, 1e-5, by_calibration));
+    }
+}
+
+TEST(PhotometricRow, HasTheExactDerivativeOfTheSampledSmoothedImage)
+{
+    GrayImage noise(64, 48);
+    std::mt19937 generator(7);
+    for (float& value : noise.pixels)
+        value = std::uniform_real_distribution<float>(0.0f, 1.0f)(generator);
+    const GrayImage image = smooth(noise, 0.8);
+    Random random{std::mt19937(1)};
+    for (int i = 0; i < 100; ++i) {
+        const double x = std::floor(random(1, 60)) + random(0.2, 0.8), y = std::floor(random(1, 45)) + random(0.2, 0.8);
+        const GraySample sample = sample_gray(image, x, y);
+        EXPECT_NEAR(sample.gx, (sample_gray(image, x + 0.1, y).value - sample_gray(image, x - 0.1, y).value) / 0.2,
+                    2e-6);
+        EXPECT_NEAR(sample.gy, (sample_gray(image, x, y + 0.1).value - sample_gray(image, x, y - 0.1).value) / 0.2,
+                    2e-6);
+    }
+}
+
+TEST(PhotometricRow, IsFlatOutsideTheImage)
+{
+    Random random{std::mt19937(0)};
+    AlignmentState state = random_state(random);
+    state.camera_from_world[0] = Rigid(Eigen::Translation3d(50.0, 50.0, 0.0)) * state.camera_from_world[0];
+    const GrayImage image = ramp(64, 48);
+    const auto row = photometric_row(sampler(state, image), state.plane[0], state.plane[0].tangents(), {0, 0, 2});
+    EXPECT_EQ(row.pose.norm(), 0.0);
+    EXPECT_TRUE(std::isfinite(row.value));
+}
+
+TEST(DepthRow, HasTheDerivativeByPoseAndPlane)
+{
+    for (unsigned seed = 0; seed < 20; ++seed) {
+        Random random{std::mt19937(seed)};
+        const AlignmentState state = random_state(random);
+        const CenteredPlane& plane = state.plane[0];
+        const Rigid& T = state.camera_from_world[0];
+        const Vector3 y = Vector3(0, 0, 2) + random.vector(0.5);
+        const DepthRow row = depth_row(T, plane, plane.tangents(), y);
+        const auto residual = [&](const Rigid& pose, const CenteredPlane& p) {
+            return p.signed_distance(pose.inverse() * y);
+        };
+        EXPECT_NEAR(row.residual, residual(T, plane), 1e-12);
+        expect_equal(row.pose,
+                     central_differences(6, 1e-5, [&](const auto& step) { return residual(moved(T, step), plane); }));
+        expect_equal(row.plane,
+                     central_differences(3, 1e-5, [&](const auto& step) { return residual(T, plane.moved(step)); }));
+    }
+}
+
+TEST(LineRow, HasTheDerivativeByPoseBothPlanesAndCalibration)
+{
+    for (unsigned seed = 0; seed < 20; ++seed) {
+        Random random{std::mt19937(seed)};
+        const AlignmentState state = random_state(random);
+        const LineObservation line{
+            0, {0, 1}, {Eigen::Vector2d(random(0, 60), random(0, 40)), Eigen::Vector2d(random(0, 60), random(0, 40))}};
+        for (const std::size_t end : {0, 1}) {
+            const LineRow row = line_row(state, line, end);
+            const auto residual = [&](const std::function<void(AlignmentState&)>& change) {
+                AlignmentState s = state;
+                change(s);
+                return line_row(s, line, end).residual;
+            };
+            const auto by_pose = [&](const Eigen::VectorXd& step) {
+                return residual(
+                    [&](AlignmentState& s) { s.camera_from_world[0] = moved(s.camera_from_world[0], step); });
+            };
+            const auto by_calibration = [&](const Eigen::VectorXd& step) {
+                return residual([&](AlignmentState& s) { s.color = s.color.moved(step); });
+            };
+            expect_equal(row.pose, central_differences(6, 1e-5, by_pose));
+            expect_equal(row.calibration, central_differences(9, 1e-5, by_calibration));
+            for (const std::size_t i : {0, 1}) {
+                const auto by_plane = [&](const Eigen::VectorXd& step) {
+                    return residual([&](AlignmentState& s) { s.plane[i] = s.plane[i].moved(step); });
+                };
+                expect_equal(row.plane[i], central_differences(3, 1e-5, by_plane));
+            }
+        }
+    }
+}
+
+TEST(LineRow, IsZeroForTheProjectionOfAPointOnBothPlanes)
+{
+    Random random{std::mt19937(3)};
+    const AlignmentState state = random_state(random);
+    const Plane a = state.plane[0].plane(), b = state.plane[1].plane();
+    Eigen::Matrix3d normals;
+    normals << a.normal.transpose(), b.normal.transpose(), a.normal.cross(b.normal).transpose();
+    const Vector3 p_world = normals.inverse() * Vector3(-a.offset, -b.offset, 0.1);
+    const Vector3 p_color = state.color.color_from_depth * (state.camera_from_world[0] * p_world);
+    const LineObservation line{0, {0, 1}, {state.color.camera.project(p_color), Eigen::Vector2d(0, 0)}};
+    EXPECT_NEAR(line_row(state, line, 0).residual, 0.0, 1e-9);
+}
+
+TEST(PlaneBlock, HasTheGradientOfTheSumOverPointsAndAPositiveMatrix)
+{
+    for (unsigned seed = 0; seed < 20; ++seed) {
+        Random random{std::mt19937(seed)};
+        std::vector<Vector3> points(40);
+        PlaneScatter scatter;
+        for (auto& p : points)
+            p = {random(-1, 1), random(-2, 2), random(-0.1, 0.1)};
+        for (const auto& p : points)
+            scatter.center += p / 40.0;
+        for (const auto& p : points)
+            scatter.scatter += (p - scatter.center) * (p - scatter.center).transpose();
+        scatter.weight = 40.0;
+        const CenteredPlane plane{(Vector3(0, 0, 1) + random.vector(0.2)).normalized(), 0.05,
+                                  scatter.center + random.vector(0.3)};
+        const auto cost = [&](const Eigen::VectorXd& step) {
+            double sum = 0.0;
+            const CenteredPlane other = plane.moved(step);
+            for (const auto& p : points)
+                sum += std::pow(other.signed_distance(p), 2);
+            return sum;
+        };
+        const PlaneBlock block = plane_block(scatter, plane);
+        EXPECT_NEAR(block.cost, cost(Vector3::Zero()), 1e-9);
+        expect_equal(block.g, 0.5 * central_differences(3, 1e-5, cost));
+        EXPECT_GE(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(block.H).eigenvalues().minCoeff(), -1e-9);
+    }
+}
+
+TEST(PlaneScatters, OfMomentsAndOfTexelsAgreeOnADenselySampledPlane)
+{
+    PlaneMesh mesh;
+    mesh.mesh.position = {{0, 0, 1}, {2, 0, 1.1f}, {0, 1, 1.2f}};
+    mesh.mesh.face = {{0, 1, 2}};
+    mesh.face_plane = {0};
+    mesh.moments = {triangle_moments({0, 0, 1}, {2, 0, 1.1}, {0, 1, 1.2})};
+    mesh.plane = {fit_plane(mesh.moments[0])};
+    const double spacing = 0.01;
+    const auto exact = scatters_of_moments(mesh, spacing)[0],
+               sampled = scatters_of_texels(sample_texels(mesh, spacing))[0];
+    EXPECT_NEAR(sampled.weight / exact.weight, 1.0, 0.02);
+    EXPECT_LT((sampled.center - exact.center).norm(), 0.01);
+    EXPECT_LT((sampled.scatter - exact.scatter).norm(), 0.05 * exact.scatter.norm());
+}
+
+TEST(PriorBlock, HasTheGradientOfTheSquaredLogarithm)
+{
+    for (unsigned seed = 0; seed < 20; ++seed) {
+        Random random{std::mt19937(seed)};
+        const Rigid input = random.rigid(2.0, 3.0), T = random.rigid(0.05, 0.1) * input;
+        const PosePrior prior = pose_prior(0.02, 0.05);
+        const auto cost = [&](const Eigen::VectorXd& step) {
+            return prior_block(prior, exp_twist(step) * T, input).cost;
+        };
+        expect_equal(prior_block(prior, T, input).g, 0.5 * central_differences(6, 1e-5, cost));
+    }
+}
+
+} // namespace
+} // namespace quoin

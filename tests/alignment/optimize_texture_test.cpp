@@ -1,0 +1,236 @@
+#include "alignment/optimize_texture.h"
+
+#include "base/error.h"
+#include "base/parallel.h"
+#include "textured_room.h"
+
+#include <gtest/gtest.h>
+
+namespace quoin {
+namespace {
+
+using testing::position_error;
+using testing::RoomOptions;
+using testing::textured_room;
+using testing::TexturedRoom;
+
+OptimizeTextureParams small_room_params()
+{
+    OptimizeTextureParams params;
+    params.texel_size = 0.01; // the images are small
+    params.texel_stride = 3;
+    params.visibility_rounds = 1;
+    params.jump_radius = 1;
+    params.prior_translation = 0.05;
+    return params;
+}
+
+Alignment align(const TexturedRoom& room, const OptimizeTextureParams& params, const LineMatches& lines = {})
+{
+    return optimize_texture({room.scan, room.reader(), room.keyframes, room.mesh, lines}, params);
+}
+
+std::vector<Rigid> input_poses(const TexturedRoom& room)
+{
+    std::vector<Rigid> poses;
+    for (const Frame& frame : room.scan.frames)
+        poses.push_back(frame.camera_from_world);
+    return poses;
+}
+
+double relative_position_error(const TexturedRoom& room, const Alignment& alignment)
+{
+    return position_error(alignment.camera_from_world, room.true_camera_from_world) /
+           position_error(input_poses(room), room.true_camera_from_world);
+}
+
+void expect_input_poses(const TexturedRoom& room, const Alignment& alignment)
+{
+    ASSERT_EQ(alignment.camera_from_world.size(), room.scan.frames.size());
+    for (std::size_t k = 0; k < room.scan.frames.size(); ++k)
+        EXPECT_TRUE(alignment.camera_from_world[k].isApprox(room.scan.frames[k].camera_from_world, 0.0)) << k;
+}
+
+void expect_finite(const Alignment& alignment)
+{
+    for (const Rigid& pose : alignment.camera_from_world)
+        EXPECT_TRUE(is_rigid(pose.matrix(), 1e-9));
+    for (const Plane& plane : alignment.plane)
+        EXPECT_TRUE(plane.normal.allFinite() && std::isfinite(plane.offset));
+    for (const auto& gain : alignment.gain)
+        EXPECT_TRUE(gain.allFinite());
+    for (const auto& bias : alignment.bias)
+        EXPECT_TRUE(bias.allFinite());
+    for (const auto& row : alignment.energy)
+        for (const double value : row)
+            EXPECT_TRUE(std::isfinite(value));
+}
+
+TEST(OptimizeTexture, BringsDisturbedCamerasBack)
+{
+    const auto room = textured_room({});
+    const auto alignment = align(room, small_room_params());
+    EXPECT_LT(relative_position_error(room, alignment), 0.2);
+}
+
+TEST(OptimizeTexture, BringsDisturbedCamerasBackByColourAlone)
+{
+    const auto room = textured_room({.with_depth = false});
+    const auto alignment = align(room, small_room_params());
+    EXPECT_LT(relative_position_error(room, alignment),
+              0.4); // along the planes' common directions only the prior holds
+}
+
+TEST(OptimizeTexture, BringsDisturbedCamerasBackByThePapersScheduleToo)
+{
+    const auto room = textured_room({});
+    auto params = small_room_params();
+    params.solver = AlignmentSolver::Alternating;
+    EXPECT_LT(relative_position_error(room, align(room, params)), 0.5);
+}
+
+TEST(OptimizeTexture, LowersTheMeanEnergyFromRowToRow)
+{
+    const auto room = textured_room({});
+    for (const auto solver : {AlignmentSolver::Joint, AlignmentSolver::Alternating}) {
+        auto params = small_room_params();
+        params.solver = solver;
+        const auto energy = align(room, params).energy;
+        ASSERT_GE(energy.size(), 3u);
+        for (std::size_t i = 1; i < energy.size(); ++i)
+            EXPECT_LE(energy[i][0], 1.01 * energy[i - 1][0]) << i;
+        EXPECT_LT(energy.back()[1], 0.3 * energy.front()[1]);
+    }
+}
+
+TEST(OptimizeTexture, MovesPlanesToTheirTrueOffsets)
+{
+    const auto room = textured_room({.plane_error = 0.01});
+    auto params = small_room_params();
+    params.lambda_p = 0.01;
+    const auto alignment = align(room, params);
+    double before = 0.0, after = 0.0;
+    for (const std::size_t wall : {0, 4}) { // those in view
+        before += std::abs(room.mesh.plane[wall].offset - room.true_plane[wall].offset);
+        after += std::abs(alignment.plane[wall].offset - room.true_plane[wall].offset);
+    }
+    EXPECT_LT(after, 0.7 * before);
+}
+
+TEST(OptimizeTexture, FindsTheGainsOfTheFrames)
+{
+    const auto room = textured_room({.gain_noise = 0.12});
+    const auto alignment = align(room, small_room_params());
+    double mean_log = 0.0;
+    for (std::size_t k = 0; k < room.true_gain.size(); ++k)
+        mean_log += std::log(room.true_gain[k]) / 8.0;
+    for (std::size_t k = 0; k < room.true_gain.size(); ++k) {
+        const double corrected = room.true_gain[k] / std::exp(mean_log) * alignment.gain[k].x();
+        EXPECT_NEAR(corrected, 1.0, 0.03) << k;
+        EXPECT_NEAR(alignment.bias[k].x(), 0.0, 4.0) << k;
+    }
+    EXPECT_LT(relative_position_error(room, alignment), 0.3);
+}
+
+TEST(OptimizeTexture, FindsTheCalibrationOfTheColourCamera)
+{
+    Twist shift;
+    shift << 0.004, -0.006, 0.003, 0.02, -0.01, 0.005;
+    auto room = textured_room(
+        {.frames = 8, .position_noise = 0.002, .rotation_noise = 0.001, .color_from_depth = exp_twist(shift)});
+    room.scan.depth_from_color = Rigid::Identity();
+    room.scan.color.cx += 1.0;
+    auto params = small_room_params();
+    params.calibration = CalibrationUse::Refine;
+    const auto refined = align(room, params);
+    params.calibration = CalibrationUse::Fixed;
+    const auto fixed = align(room, params);
+    EXPECT_LT(refined.energy.back()[0], 0.7 * fixed.energy.back()[0]);
+    EXPECT_NEAR(refined.color.cx, room.scan.color.cx - 1.0, 0.5);
+    EXPECT_EQ(fixed.color.cx, room.scan.color.cx);
+    EXPECT_LT((refined.depth_from_color.inverse().translation() - exp_twist(shift).translation()).norm(), 0.012);
+}
+
+TEST(OptimizeTexture, KeepsThePosesOfARoomWithoutTextureNearWhereDepthHoldsThem)
+{
+    const auto room = textured_room({.position_noise = 0.002, .rotation_noise = 0.001, .textured = false});
+    const auto alignment = align(room, small_room_params());
+    expect_finite(alignment);
+    EXPECT_LT(position_error(alignment.camera_from_world, room.true_camera_from_world), 0.003);
+}
+
+TEST(OptimizeTexture, KeepsTheInputPosesWhenNothingCanBeSeen)
+{
+    auto room = textured_room({.frames = 3, .saturated = true, .with_depth = false});
+    const auto alignment = align(room, small_room_params());
+    expect_finite(alignment);
+    expect_input_poses(room, alignment);
+}
+
+TEST(OptimizeTexture, AcceptsOneKeyframeAndNone)
+{
+    auto room = textured_room({.frames = 1});
+    const auto one = align(room, small_room_params());
+    expect_finite(one);
+    EXPECT_EQ(one.camera_from_world.size(), 1u);
+    room.keyframes.frame.clear();
+    const auto none = align(room, small_room_params());
+    expect_finite(none);
+    EXPECT_TRUE(none.camera_from_world.empty());
+    EXPECT_EQ(none.plane.size(), room.mesh.plane.size());
+}
+
+TEST(OptimizeTexture, LeavesAFrameThatSeesNothingWhereItWas)
+{
+    auto room = textured_room({});
+    Rigid outside = Rigid::Identity();
+    outside.translation() = Eigen::Vector3d(0, 0, -50);
+    room.scan.frames[3].camera_from_world = outside.inverse();
+    const auto alignment = align(room, small_room_params());
+    EXPECT_TRUE(alignment.camera_from_world[3].isApprox(room.scan.frames[3].camera_from_world, 0.0));
+    expect_finite(alignment);
+}
+
+TEST(OptimizeTexture, KeepsWhatItIsToldNotToMove)
+{
+    const auto room = textured_room({.frames = 4});
+    auto params = small_room_params();
+    params.optimize_poses = false;
+    params.optimize_planes = false;
+    params.optimize_exposure = false;
+    const auto alignment = align(room, params);
+    expect_input_poses(room, alignment);
+    for (std::size_t p = 0; p < 6; ++p)
+        EXPECT_NEAR(alignment.plane[p].offset, room.mesh.plane[p].offset, 1e-12);
+    for (const auto& gain : alignment.gain)
+        EXPECT_EQ(gain, Eigen::Vector3f::Ones());
+}
+
+TEST(OptimizeTexture, RefusesADepthRangeThatIsEmpty)
+{
+    const auto room = textured_room({.frames = 1});
+    auto params = small_room_params();
+    params.min_depth = params.max_depth;
+    EXPECT_THROW(align(room, params), UsageError);
+}
+
+TEST(OptimizeTexture, GivesTheSameBytesForAnyNumberOfThreads)
+{
+    const auto room = textured_room({.frames = 5, .gain_noise = 0.05});
+    set_thread_count(1);
+    const auto expected = align(room, small_room_params());
+    for (const int threads : {2, 4}) {
+        set_thread_count(threads);
+        const auto alignment = align(room, small_room_params());
+        for (std::size_t k = 0; k < 5; ++k)
+            EXPECT_EQ(alignment.camera_from_world[k].matrix(), expected.camera_from_world[k].matrix());
+        for (std::size_t p = 0; p < 6; ++p)
+            EXPECT_EQ(alignment.plane[p].offset, expected.plane[p].offset);
+        EXPECT_EQ(alignment.gain, expected.gain);
+        EXPECT_EQ(alignment.energy, expected.energy);
+    }
+    set_thread_count(0);
+}
+
+} // namespace
+} // namespace quoin
