@@ -1,7 +1,5 @@
 #include "fusion/depth_view.h"
 
-#include "image/sampling.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,166 +8,214 @@ namespace quoin {
 namespace {
 
 constexpr float kFar = std::numeric_limits<float>::max();
+std::size_t view_size(const Camera& camera)
+{
+    return static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+}
 
 std::size_t index_of(const Camera& camera, int x, int y)
 {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(camera.width) + static_cast<std::size_t>(x);
 }
 
-DepthImage within_range(const DepthImage& depth, const ViewParams& params)
+constexpr int kReach = 3; // of a slope [px]: wide enough for the steps of a quantised sensor
+
+// Depth with a margin of missing pixels, so that every pixel has all its neighbours.
+class PaddedDepth {
+public:
+    PaddedDepth(int width, int height)
+        : width_(width), height_(height), stride_(static_cast<std::size_t>(width + 2 * kReach)),
+          z_(stride_ * static_cast<std::size_t>(height + 2 * kReach), 0.0f)
+    {
+    }
+    int width() const { return width_; }
+    int height() const { return height_; }
+    float* row(int y) { return z_.data() + static_cast<std::size_t>(y + kReach) * stride_ + kReach; }
+    const float* row(int y) const { return z_.data() + static_cast<std::size_t>(y + kReach) * stride_ + kReach; }
+
+private:
+    int width_, height_;
+    std::size_t stride_;
+    std::vector<float> z_; // [m]; 0 = missing
+};
+
+PaddedDepth within_range(const DepthImage& depth, const ViewParams& params)
 {
-    DepthImage kept = depth;
+    PaddedDepth kept(depth.width, depth.height);
     const auto near = static_cast<float>(params.min_depth), far = static_cast<float>(params.max_depth);
-    for (float& z : kept.pixels)
-        z = z >= near && z <= far ? z : 0.0f; // NaN is in no range
+    for (int y = 0; y < depth.height; ++y) {
+        const float* from = depth.row(y);
+        float* to = kept.row(y);
+        for (int x = 0; x < depth.width; ++x)
+            to[x] = (from[x] >= near) & (from[x] <= far) ? from[x] : 0.0f; // NaN is in no range
+    }
     return kept;
 }
 
-// Does the depth jump between a pixel and one of its four neighbours? Missing neighbours are no jump.
-bool at_depth_edge(const DepthImage& depth, int x, int y, float ratio)
+// Drops the pixels whose depth jumps to that of one of their four neighbours: they measure the air between two
+// surfaces.
+PaddedDepth without_edges(const PaddedDepth& depth, float ratio)
 {
-    const float z = depth.at(x, y), jump = ratio * z;
-    const auto jumps = [&](int i, int j) {
-        const float other = depth.at(std::clamp(i, 0, depth.width - 1), std::clamp(j, 0, depth.height - 1));
-        return other > 0.0f && std::abs(other - z) > jump;
-    };
-    return jumps(x - 1, y) || jumps(x + 1, y) || jumps(x, y - 1) || jumps(x, y + 1);
+    PaddedDepth kept(depth.width(), depth.height());
+    for (int y = 0; y < depth.height(); ++y) {
+        const float *z = depth.row(y), *above = depth.row(y - 1), *below = depth.row(y + 1);
+        float* to = kept.row(y);
+        for (int x = 0; x < depth.width(); ++x) {
+            const float own = z[x], jump = ratio * own;
+            const auto jumps = [&](float other) { return (other > 0.0f) & (std::abs(other - own) > jump); };
+            const bool edge = jumps(z[x - 1]) | jumps(z[x + 1]) | jumps(above[x]) | jumps(below[x]);
+            to[x] = edge ? 0.0f : own;
+        }
+    }
+    return kept;
 }
 
-// Change of depth along a line of pixels [m/px], over a base wide enough for the steps of a quantised sensor.
-float slope(const DepthImage& depth, int x, int y, int dx, int dy)
+// Change of depth a pixel [m/px] along a line of pixels at `z`, `step` floats apart: between the farthest pixels that
+// are connected to the middle. A lone pixel is as steep as can be.
+inline float slope(const float* z, std::ptrdiff_t step)
 {
-    constexpr int kReach = 3; // [px]
-    const float z = depth.at(x, y);
-    int forward = 0, backward = 0;
-    const auto usable = [&](int step) {
-        return depth.contains(x + step * dx, y + step * dy) && depth.at(x + step * dx, y + step * dy) > 0.0f;
-    };
-    while (forward < kReach && usable(forward + 1))
-        ++forward;
-    while (backward < kReach && usable(-backward - 1))
-        ++backward;
-    if (forward + backward == 0) return z; // a lone pixel: as steep as can be
-    const float ahead = depth.at(x + forward * dx, y + forward * dy),
-                behind = depth.at(x - backward * dx, y - backward * dy);
-    return (ahead - behind) / static_cast<float>(forward + backward);
+    const float a1 = z[step], a2 = z[2 * step], a3 = z[3 * step];
+    const float b1 = z[-step], b2 = z[-2 * step], b3 = z[-3 * step];
+    const bool far_a = (a1 > 0.0f) & (a2 > 0.0f) & (a3 > 0.0f), far_b = (b1 > 0.0f) & (b2 > 0.0f) & (b3 > 0.0f);
+    const float near_a = a1 > 0.0f ? a1 : z[0], near_b = b1 > 0.0f ? b1 : z[0];
+    const float steps_a = far_a ? 3.0f : (a1 > 0.0f ? 1.0f : 0.0f), steps_b = far_b ? 3.0f : (b1 > 0.0f ? 1.0f : 0.0f);
+    const float ahead = far_a ? a3 : near_a, behind = far_b ? b3 : near_b;
+    const float steps = steps_a + steps_b;
+    return steps > 0.0f ? (ahead - behind) / steps : z[0];
 }
 
-// Cosine between the ray of a pixel and the normal of the depth surface. With p(u, v) = z(u, v) r(u, v) and the ray
-// r = ((u - cx) / fx, (v - cy) / fy, 1), the normal is n ~ (-fx z_u, -fy z_v, z + (u - cx) z_u + (v - cy) z_v), so n .
-// r = z.
-float incidence(const DepthImage& depth, const Camera& camera, int x, int y)
+// Cosine between the rays of a row of pixels and the normals of the depth surface. With p(u, v) = z(u, v) r(u, v) and
+// the ray r = ((u - cx) / fx, (v - cy) / fy, 1), the normal is n ~ (-fx z_u, -fy z_v, z + (u - cx) z_u + (v - cy) z_v),
+// so n . r = z.
+void incidence_of_row(const PaddedDepth& depth, const Camera& camera, int y, std::vector<float>& cosine)
 {
-    const float z = depth.at(x, y);
-    const float zu = slope(depth, x, y, 1, 0), zv = slope(depth, x, y, 0, 1);
-    const auto fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy);
-    const float du = static_cast<float>(x) - static_cast<float>(camera.cx),
-                dv = static_cast<float>(y) - static_cast<float>(camera.cy);
-    const float nx = fx * zu, ny = fy * zv, nz = z + du * zu + dv * zv;
-    const float normal = std::sqrt(nx * nx + ny * ny + nz * nz);
-    const float ray = std::sqrt(1.0f + du * du / (fx * fx) + dv * dv / (fy * fy));
-    return z / (normal * ray);
+    const float* z = depth.row(y);
+    const std::ptrdiff_t down = depth.row(y + 1) - z;
+    const auto fx = static_cast<float>(camera.fx), fy = static_cast<float>(camera.fy),
+               cx = static_cast<float>(camera.cx);
+    const float dv = static_cast<float>(y - camera.cy), ray_y = dv / fy;
+    for (int x = 0; x < depth.width(); ++x) {
+        const float du = static_cast<float>(x) - cx, ray_x = du / fx;
+        const float zu = slope(z + x, 1), zv = slope(z + x, down);
+        const float nx = fx * zu, ny = fy * zv, nz = z[x] + du * zu + dv * zv;
+        cosine[static_cast<std::size_t>(x)] =
+            z[x] / std::sqrt((nx * nx + ny * ny + nz * nz) * (1.0f + ray_x * ray_x + ray_y * ray_y));
+    }
 }
 
-// Keeps the pixels that measure a surface, not the air between two, and stores their incidence.
-void keep_surface(const DepthImage& depth, const ViewParams& params, DepthView& view)
+// Keeps the pixels that measure a surface from not too far aside, and stores their incidence.
+void keep_surface(const PaddedDepth& measured, const ViewParams& params, DepthView& view)
 {
-    const Camera& camera = view.camera;
-    DepthImage smooth = depth;
-    for (int y = 0; y < depth.height; ++y)
-        for (int x = 0; x < depth.width; ++x)
-            if (depth.at(x, y) > 0.0f && at_depth_edge(depth, x, y, static_cast<float>(params.depth_edge)))
-                smooth.at(x, y) = 0.0f;
-    for (int y = 0; y < depth.height; ++y) {
-        for (int x = 0; x < depth.width; ++x) {
-            if (smooth.at(x, y) <= 0.0f) continue;
-            const float cosine = incidence(smooth, camera, x, y);
-            if (cosine < static_cast<float>(params.min_incidence)) continue;
-            const std::size_t i = index_of(camera, x, y);
-            view.depth[i] = smooth.at(x, y);
-            view.surface[i].incidence = static_cast<std::uint8_t>(std::max(1.0f, cosine * kIncidenceScale));
+    const PaddedDepth depth = without_edges(measured, static_cast<float>(params.depth_edge));
+    const auto least = static_cast<float>(params.min_incidence);
+    std::vector<float> cosine(static_cast<std::size_t>(depth.width()));
+    for (int y = 0; y < depth.height(); ++y) {
+        incidence_of_row(depth, view.camera, y, cosine);
+        const float* z = depth.row(y);
+        const std::size_t first = index_of(view.camera, 0, y);
+        for (std::size_t x = 0; x < cosine.size(); ++x) {
+            const bool keep = (z[x] > 0.0f) & (cosine[x] >= least);
+            view.depth[first + x] = keep ? z[x] : 0.0f;
+            const float stored = std::max(1.0f, std::min(cosine[x], 1.0f) * kIncidenceScale);
+            view.surface[first + x].incidence =
+                keep ? static_cast<std::uint8_t>(static_cast<std::int32_t>(stored)) : std::uint8_t{0};
         }
     }
 }
 
-// Moves depth pixels into the colour camera.
-class ColorProjection {
-public:
-    explicit ColorProjection(const Scan& scan) : depth_(scan.depth), color_(scan.color)
-    {
-        const Rigid color_from_depth = scan.depth_from_color.inverse();
-        rotation_ = color_from_depth.linear().cast<float>();
-        translation_ = color_from_depth.translation().cast<float>();
-    }
-    // (u, v, z) in the colour camera; z <= 0 is behind it.
-    Eigen::Vector3f operator()(int x, int y, float z) const
-    {
-        const Eigen::Vector3f p = rotation_ * (z * depth_.ray({x, y}).cast<float>()) + translation_;
-        const float inverse = 1.0f / p.z();
-        return {static_cast<float>(color_.fx) * p.x() * inverse + static_cast<float>(color_.cx),
-                static_cast<float>(color_.fy) * p.y() * inverse + static_cast<float>(color_.cy), p.z()};
-    }
-
-private:
-    Camera depth_, color_;
-    Eigen::Matrix3f rotation_;
-    Eigen::Vector3f translation_;
+// Where the depth pixels lie in the colour image; z = 0 where they are missing or outside it.
+struct ColorPixels {
+    std::vector<float> u, v; // [px]
+    std::vector<float> z;    // [m], in the colour camera
 };
+
+ColorPixels project_into_color(const Scan& scan, const PaddedDepth& depth)
+{
+    const std::size_t count = view_size(scan.depth);
+    ColorPixels pixels{std::vector<float>(count), std::vector<float>(count), std::vector<float>(count)};
+    const Rigid color_from_depth = scan.depth_from_color.inverse();
+    const Eigen::Matrix3f R = color_from_depth.linear().cast<float>();
+    const Eigen::Vector3f t = color_from_depth.translation().cast<float>();
+    const auto fx = static_cast<float>(scan.color.fx), fy = static_cast<float>(scan.color.fy);
+    const auto cx = static_cast<float>(scan.color.cx), cy = static_cast<float>(scan.color.cy);
+    const auto right = static_cast<float>(scan.color.width - 1), bottom = static_cast<float>(scan.color.height - 1);
+    const auto inverse_fx = static_cast<float>(1.0 / scan.depth.fx), depth_cx = static_cast<float>(scan.depth.cx);
+    for (int y = 0; y < depth.height(); ++y) {
+        const float* z = depth.row(y);
+        const auto ray_y = static_cast<float>((y - scan.depth.cy) / scan.depth.fy);
+        const Eigen::Vector3f base = R.col(1) * ray_y + R.col(2), step = R.col(0);
+        const std::size_t first = index_of(scan.depth, 0, y);
+        float *u_row = pixels.u.data() + first, *v_row = pixels.v.data() + first, *z_row = pixels.z.data() + first;
+        for (int x = 0; x < depth.width(); ++x) {
+            const float ray_x = (static_cast<float>(x) - depth_cx) * inverse_fx;
+            const float px = z[x] * (base.x() + ray_x * step.x()) + t.x(),
+                        py = z[x] * (base.y() + ray_x * step.y()) + t.y();
+            const float pz = z[x] * (base.z() + ray_x * step.z()) + t.z();
+            const float u = fx * px / pz + cx, v = fy * py / pz + cy;
+            const bool inside = (z[x] > 0.0f) & (pz > 0.0f) & (u >= 0.0f) & (v >= 0.0f) & (u < right) & (v < bottom);
+            u_row[x] = inside ? u : 0.0f;
+            v_row[x] = inside ? v : 0.0f;
+            z_row[x] = inside ? pz : 0.0f;
+        }
+    }
+    return pixels;
+}
 
 // Nearest depth in cells of the colour image, coarse enough that the depth pixels leave no holes in a surface.
 class NearestDepth {
 public:
-    NearestDepth(const DepthImage& depth, const Camera& color, const ColorProjection& project)
+    NearestDepth(const Scan& scan, const ColorPixels& pixels)
     {
         constexpr double kDepthPixels = 2.0; // across a cell
-        cell_ = static_cast<float>(kDepthPixels * std::max(1.0, static_cast<double>(color.width) / depth.width));
-        nearest_ = Image<float>(static_cast<int>(static_cast<float>(color.width) / cell_) + 1,
-                                static_cast<int>(static_cast<float>(color.height) / cell_) + 1, kFar);
-        for (int y = 0; y < depth.height; ++y) {
-            for (int x = 0; x < depth.width; ++x) {
-                if (depth.at(x, y) <= 0.0f) continue;
-                const Eigen::Vector3f q = project(x, y, depth.at(x, y));
-                if (!(q.z() > 0.0f && color.contains({q.x(), q.y()}))) continue;
-                float& z = at(q);
-                z = std::min(z, q.z());
-            }
+        const double cell = kDepthPixels * std::max(1.0, static_cast<double>(scan.color.width) / scan.depth.width);
+        per_pixel_ = static_cast<float>(1.0 / cell);
+        nearest_ = Image<float>(static_cast<int>(scan.color.width / cell) + 1,
+                                static_cast<int>(scan.color.height / cell) + 1, kFar);
+        for (std::size_t i = 0; i < pixels.z.size(); ++i) {
+            if (pixels.z[i] <= 0.0f) continue;
+            float& z = at(pixels.u[i], pixels.v[i]);
+            z = std::min(z, pixels.z[i]);
         }
     }
-    float of(const Eigen::Vector3f& q) { return at(q); } // of a pixel inside the colour image
+    float& at(float u, float v)
+    {
+        return nearest_.at(static_cast<int>(u * per_pixel_), static_cast<int>(v * per_pixel_));
+    }
 
 private:
-    float& at(const Eigen::Vector3f& q)
-    {
-        return nearest_.at(static_cast<int>(q.x() / cell_), static_cast<int>(q.y() / cell_));
-    }
-    float cell_ = 1.0f; // [px]
+    float per_pixel_ = 1.0f; // cells
     Image<float> nearest_;
 };
 
-std::uint8_t rounded(float value) { return static_cast<std::uint8_t>(value + 0.5f); }
+// Bilinear, with weights in 256ths; (u, v) is left of and above the last pixel.
+Rgb8 sample(const ColorImage& image, float u, float v)
+{
+    const auto x = static_cast<int>(u), y = static_cast<int>(v);
+    const int fx = static_cast<int>((u - static_cast<float>(x)) * 256.0f),
+              fy = static_cast<int>((v - static_cast<float>(y)) * 256.0f);
+    const Rgb8 *top = image.row(y) + x, *bottom = image.row(y + 1) + x;
+    Rgb8 color;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const int above = top[0][c] * (256 - fx) + top[1][c] * fx,
+                  below = bottom[0][c] * (256 - fx) + bottom[1][c] * fx;
+        color[c] = static_cast<std::uint8_t>((above * (256 - fy) + below * fy + (1 << 15)) >> 16);
+    }
+    return color;
+}
 
 // Gives every kept depth pixel the colour that the colour camera sees at its point, unless something hides the point
 // there.
-void register_color(const Scan& scan, const DepthImage& depth, const ColorImage& color, const ViewParams& params,
+void register_color(const Scan& scan, const PaddedDepth& measured, const ColorImage& color, const ViewParams& params,
                     DepthView& view)
 {
-    const ColorProjection project(scan);
-    NearestDepth nearest(depth, scan.color, project);
-    for (int y = 0; y < depth.height; ++y) {
-        for (int x = 0; x < depth.width; ++x) {
-            const std::size_t i = index_of(scan.depth, x, y);
-            if (view.depth[i] <= 0.0f) continue;
-            const Eigen::Vector3f q = project(x, y, view.depth[i]);
-            if (!(q.z() > 0.0f && q.x() >= 0.0f && q.y() >= 0.0f)) continue;
-            const int u = static_cast<int>(std::min(q.x(), 1e6f)), v = static_cast<int>(std::min(q.y(), 1e6f));
-            if (u + 1 >= color.width || v + 1 >= color.height) continue;
-            const float tolerance =
-                static_cast<float>(params.occlusion) + static_cast<float>(params.depth_edge) * q.z();
-            if (q.z() > nearest.of(q) + tolerance) continue;
-            const Eigen::Vector3f rgb = sample_color(color, static_cast<double>(q.x()), static_cast<double>(q.y()));
-            view.surface[i].color = {rounded(rgb.x()), rounded(rgb.y()), rounded(rgb.z())};
-            view.surface[i].incidence |= kHasColor;
-        }
+    const ColorPixels pixels = project_into_color(scan, measured);
+    NearestDepth nearest(scan, pixels);
+    const auto slack = static_cast<float>(params.occlusion), slack_ratio = static_cast<float>(params.depth_edge);
+    for (std::size_t i = 0; i < pixels.z.size(); ++i) {
+        const float u = pixels.u[i], v = pixels.v[i], z = pixels.z[i];
+        if (view.depth[i] <= 0.0f || z <= 0.0f || z > nearest.at(u, v) + slack + slack_ratio * z) continue;
+        view.surface[i].color = sample(color, u, v);
+        view.surface[i].incidence |= kHasColor;
     }
     view.has_color = true;
 }
@@ -179,9 +225,10 @@ Image<float> tile_maxima(const DepthView& view)
     const Camera& camera = view.camera;
     Image<float> tiles((camera.width + kTile - 1) / kTile, (camera.height + kTile - 1) / kTile, 0.0f);
     for (int y = 0; y < camera.height; ++y) {
+        const float* z = view.depth.data() + index_of(camera, 0, y);
         for (int x = 0; x < camera.width; ++x) {
             float& largest = tiles.at(x / kTile, y / kTile);
-            largest = std::max(largest, view.depth[index_of(camera, x, y)]);
+            largest = std::max(largest, z[x]);
         }
     }
     return tiles;
@@ -218,6 +265,28 @@ void walk(const Eigen::Vector3f& start, const Eigen::Vector3f& end, const Visit&
     }
 }
 
+// Keys without most of their repetitions: those that were added a short while ago are known.
+class NewKeys {
+public:
+    void add(BlockKey key)
+    {
+        BlockKey& known = recent_[key % recent_.size()];
+        if (known == key) return;
+        known = key;
+        keys_.push_back(key);
+    }
+    std::vector<BlockKey> sorted()
+    {
+        std::sort(keys_.begin(), keys_.end());
+        keys_.erase(std::unique(keys_.begin(), keys_.end()), keys_.end());
+        return std::move(keys_);
+    }
+
+private:
+    std::array<BlockKey, 4096> recent_{}; // by the low bits of the Morton code; no block has key 0
+    std::vector<BlockKey> keys_;
+};
+
 } // namespace
 
 DepthView make_view(const Scan& scan, FrameId id, const DepthImage& depth, const ColorImage& color,
@@ -228,7 +297,7 @@ DepthView make_view(const Scan& scan, FrameId id, const DepthImage& depth, const
     view.camera_from_world = scan.frames[id].camera_from_world;
     view.depth.assign(depth.pixels.size() + 1, 0.0f);
     view.surface.assign(depth.pixels.size() + 1, PixelSurface{});
-    const DepthImage measured = within_range(depth, params);
+    const PaddedDepth measured = within_range(depth, params);
     keep_surface(measured, params, view);
     if (!color.empty()) register_color(scan, measured, color, params, view);
     view.tile_max = tile_maxima(view);
@@ -243,15 +312,19 @@ std::vector<BlockKey> blocks_near_surface(const DepthView& view, double block_si
     const Eigen::Matrix3f blocks_from_camera = (world_from_camera.linear() / block_size).cast<float>();
     const Eigen::Vector3d offset = Eigen::Vector3d::Constant(kLatticeOffset / kBlockSide);
     const Eigen::Vector3f eye = (world_from_camera.translation() / block_size - offset).cast<float>();
-    std::vector<BlockKey> keys;
+    const auto inverse_fx = static_cast<float>(1.0 / camera.fx), cx = static_cast<float>(camera.cx);
+    NewKeys keys;
     BlockCoord first = BlockCoord::Constant(std::numeric_limits<int>::max()), last = first;
     for (int y = 0; y < camera.height; y += kStride) {
+        const auto ray_y = static_cast<float>((y - camera.cy) / camera.fy);
+        const Eigen::Vector3f base = blocks_from_camera.col(1) * ray_y + blocks_from_camera.col(2);
+        const float* depth = view.depth.data() + index_of(camera, 0, y);
         for (int x = 0; x < camera.width; x += kStride) {
-            const float z = view.depth[index_of(camera, x, y)];
+            const float z = depth[x];
             if (z <= 0.0f) continue;
-            const Eigen::Vector3f ray = camera.ray({x, y}).cast<float>();
-            const float reach = static_cast<float>(truncation) / ray.norm();
-            const Eigen::Vector3f direction = blocks_from_camera * ray;
+            const float ray_x = (static_cast<float>(x) - cx) * inverse_fx;
+            const float reach = static_cast<float>(truncation) / std::sqrt(1.0f + ray_x * ray_x + ray_y * ray_y);
+            const Eigen::Vector3f direction = base + ray_x * blocks_from_camera.col(0);
             const Eigen::Vector3f start = eye + direction * (z - reach), end = eye + direction * (z + reach);
             const BlockCoord start_block = block_of(start), end_block = block_of(end);
             const bool one_axis =
@@ -259,12 +332,10 @@ std::vector<BlockKey> blocks_near_surface(const DepthView& view, double block_si
             if (one_axis && start_block == first && end_block == last) continue;
             first = start_block;
             last = end_block;
-            walk(start, end, [&](const BlockCoord& block) { keys.push_back(block_key(block)); });
+            walk(start, end, [&](const BlockCoord& block) { keys.add(block_key(block)); });
         }
     }
-    std::sort(keys.begin(), keys.end());
-    keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-    return keys;
+    return keys.sorted();
 }
 
 } // namespace quoin

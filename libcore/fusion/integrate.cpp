@@ -139,55 +139,74 @@ struct Reach {
     float voxel_size; // [m]
 };
 
+// What the pixels of a row say of the surface.
+struct RowSurface {
+    alignas(32) std::array<float, kBlockSide> cosine;
+    alignas(32) std::array<float, kBlockSide> has_color; // 0 or 1
+    alignas(32) std::array<std::array<float, kBlockSide>, 3> color;
+};
+
+void look_up(const DepthView& view, const Row& row, RowSurface& surface)
+{
+    for (std::size_t i = 0; i < kBlockSide; ++i) {
+        const PixelSurface pixel = view.surface[row.pixel[i]];
+        surface.cosine[i] = static_cast<float>(pixel.incidence & ~kHasColor) * (1.0f / kIncidenceScale);
+        surface.has_color[i] = static_cast<float>(pixel.incidence >> 7);
+        for (std::size_t c = 0; c < 3; ++c)
+            surface.color[c][i] = static_cast<float>(pixel.color[c]);
+    }
+}
+
 // Weight: cosine of incidence / d^2; behind the surface it fades to 0 at the truncation, so that the back of a thin
 // wall is not overwritten (Bylow et al. 2013). Returns whether a voxel is near enough to take a colour.
-bool accumulate_distance(const std::array<PixelSurface, kBlockSide>& surface, const Reach& reach, Row& row, Sums& sums,
-                         std::size_t at)
+bool accumulate_distance(const RowSurface& surface, const Reach& reach, Row& row, float* __restrict distance,
+                         float* __restrict weight)
 {
     const float fade = 1.0f / (reach.truncation - reach.voxel_size), scale = 1.0f / reach.truncation;
     int near = 0;
     for (std::size_t i = 0; i < kBlockSide; ++i) {
         const float s = row.distance[i], d = row.depth[i];
-        const auto cosine =
-            static_cast<float>(static_cast<std::int32_t>(surface[i].incidence & ~kHasColor)) * (1.0f / kIncidenceScale);
-        const float behind = std::min(1.0f, (reach.truncation + s) * fade);
         const bool known = (d > 0.0f) & (s > -reach.truncation);
-        const float w = known ? cosine * behind / (d * d) : 0.0f;
+        const float faded = surface.cosine[i] * std::min(1.0f, (reach.truncation + s) * fade) / (d * d);
+        const float w = known ? faded : 0.0f;
         row.weight[i] = w;
-        sums.distance[at + i] += w * std::min(1.0f, s * scale);
-        sums.weight[at + i] += w;
+        distance[i] += w * std::min(1.0f, s * scale);
+        weight[i] += w;
         near += known & (s < reach.truncation) ? 1 : 0;
     }
     return near > 0;
 }
 
-void accumulate_color(const std::array<PixelSurface, kBlockSide>& surface, const Reach& reach, const Row& row,
-                      Sums& sums, std::size_t at)
+void accumulate_color(const RowSurface& surface, const Reach& reach, const Row& row, Sums& sums, std::size_t at)
 {
+    const float scale = 1.0f / reach.truncation;
     alignas(32) std::array<float, kBlockSide> weight;
     for (std::size_t i = 0; i < kBlockSide; ++i) {
-        const float closeness = std::max(0.0f, 1.0f - std::abs(row.distance[i]) / reach.truncation);
-        weight[i] = surface[i].incidence >= kHasColor ? row.weight[i] * closeness : 0.0f;
-        sums.color_weight[at + i] += weight[i];
+        const float closeness = std::max(0.0f, 1.0f - std::abs(row.distance[i]) * scale);
+        weight[i] = surface.has_color[i] * row.weight[i] * closeness;
     }
-    for (std::size_t c = 0; c < 3; ++c)
+    float* __restrict total = sums.color_weight.data() + at;
+    for (std::size_t i = 0; i < kBlockSide; ++i)
+        total[i] += weight[i];
+    for (std::size_t c = 0; c < 3; ++c) {
+        float* __restrict color = sums.color[c].data() + at;
         for (std::size_t i = 0; i < kBlockSide; ++i)
-            sums.color[c][at + i] += weight[i] * static_cast<float>(static_cast<std::int32_t>(surface[i].color[c]));
+            color[i] += weight[i] * surface.color[c][i];
+    }
 }
 
 void add_view(const Projector& p, const Eigen::Vector3f& origin, const Reach& reach, Sums& sums)
 {
     Row row;
-    std::array<PixelSurface, kBlockSide> surface;
+    RowSurface surface;
     for (int line = 0; line < kBlockSide * kBlockSide; ++line) {
         const auto y = static_cast<float>(line % kBlockSide), z = static_cast<float>(line / kBlockSide);
         project(p, origin + y * p.step.col(1) + z * p.step.col(2), row);
         if (!measure(p, reach.truncation, row)) continue;
-        for (std::size_t i = 0; i < kBlockSide; ++i)
-            surface[i] = p.view->surface[row.pixel[i]];
+        look_up(*p.view, row, surface);
         const auto at = static_cast<std::size_t>(line * kBlockSide);
-        if (accumulate_distance(surface, reach, row, sums, at) && p.view->has_color)
-            accumulate_color(surface, reach, row, sums, at);
+        const bool near = accumulate_distance(surface, reach, row, sums.distance.data() + at, sums.weight.data() + at);
+        if (near && p.view->has_color) accumulate_color(surface, reach, row, sums, at);
     }
 }
 
