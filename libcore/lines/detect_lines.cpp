@@ -27,7 +27,8 @@ void check(const Keyframes& keyframes, const Scan& scan)
 
 BorderLimits border_limits(const DetectLinesParams& params)
 {
-    return {params.min_plane_angle * std::numbers::pi / 180.0, params.min_border_length, params.max_border_rms};
+    return {params.min_plane_angle * std::numbers::pi / 180.0, params.min_border_length, params.max_border_gap,
+            params.max_border_rms};
 }
 
 LineMatch to_line_match(const SegmentMatch& match, const Segment& segment, const StraightBorder& border, FrameId frame)

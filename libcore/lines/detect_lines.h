@@ -29,6 +29,7 @@ struct DetectLinesParams {
     double edlines_fit_error = 1.0;
     double min_plane_angle = 30.0;
     double min_border_length = 0.10;
+    double max_border_gap = 0.03;
     double max_border_rms = 0.01;
     double match_distance = 10.0;
     double match_angle = 5.0;
@@ -62,6 +63,7 @@ struct DetectLinesParams {
             Param{"min_plane_angle", &P::min_plane_angle, "deg", "least angle between the two planes of a border", 0.0,
                   90.0},
             Param{"min_border_length", &P::min_border_length, "m", "least length of a straight border", 0.0, 100.0},
+            Param{"max_border_gap", &P::max_border_gap, "m", "a border goes on over gaps of at most this", 0.0, 10.0},
             Param{"max_border_rms", &P::max_border_rms, "m", "largest RMS distance of a straight border to its line",
                   0.0, 1.0},
             Param{"match_distance", &P::match_distance, "px",

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <utility>
 
 namespace quoin {
 namespace {
@@ -85,10 +86,47 @@ private:
     std::vector<std::uint8_t> used_;
 };
 
+// Appends the nearest of the chains left, if one ends within `gap` of the line's end, again and again.
+void extend(Polyline& line, std::vector<Polyline>& chains, double gap)
+{
+    for (;;) {
+        Polyline* nearest = nullptr;
+        double least = gap;
+        for (auto& chain : chains) {
+            if (chain.empty()) continue;
+            const double to_front = (chain.front() - line.back()).norm(), to_back = (chain.back() - line.back()).norm();
+            if (std::min(to_front, to_back) > least || (nearest && std::min(to_front, to_back) == least)) continue;
+            if (to_back < to_front) std::reverse(chain.begin(), chain.end());
+            least = std::min(to_front, to_back);
+            nearest = &chain;
+        }
+        if (!nearest) return;
+        line.insert(line.end(), nearest->begin(), nearest->end());
+        nearest->clear();
+    }
+}
+
+// Chains that follow each other become one: slivers and faces that touch in a vertex interrupt the borders of real
+// scans.
+std::vector<Polyline> link(std::vector<Polyline> chains, double gap)
+{
+    std::vector<Polyline> lines;
+    for (auto& chain : chains) {
+        if (chain.empty()) continue;
+        Polyline line = std::exchange(chain, {});
+        const bool closed = line.front() == line.back();
+        for (int side = 0; side < 2 && !closed; ++side) {
+            extend(line, chains, gap);
+            std::reverse(line.begin(), line.end());
+        }
+        lines.push_back(std::move(line));
+    }
+    return lines;
+}
+
 struct FittedLine {
     Eigen::Vector3d point, direction;
-    double rms;           // [m]
-    std::size_t farthest; // point of the polyline
+    double rms; // [m]
 };
 
 FittedLine fit_line(std::span<const Eigen::Vector3d> points)
@@ -100,21 +138,30 @@ FittedLine fit_line(std::span<const Eigen::Vector3d> points)
     Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
     for (const auto& p : points)
         scatter += (p - mean) * (p - mean).transpose();
-    FittedLine line{mean, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(2).normalized(),
-                    0.0, 0};
-    double squares = 0.0, largest = -1.0;
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const Eigen::Vector3d d = points[i] - mean;
-        const double distance2 = (d - d.dot(line.direction) * line.direction).squaredNorm();
-        squares += distance2;
-        if (distance2 > largest) std::tie(largest, line.farthest) = std::pair(distance2, i);
-    }
-    line.rms = std::sqrt(squares / static_cast<double>(points.size()));
-    return line;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(scatter);
+    const double across = std::max(0.0, axes.eigenvalues()[0]) + std::max(0.0, axes.eigenvalues()[1]);
+    return {mean, axes.eigenvectors().col(2).normalized(), std::sqrt(across / static_cast<double>(points.size()))};
 }
 
-// Appends the straight pieces of a polyline: the whole, or those of the two parts it has at the point that is farthest
-// from its line, or from its chord where that is an end.
+// The inner point that is farthest from the chord between the ends; from the first point where the ends are one.
+std::size_t farthest_from_chord(std::span<const Eigen::Vector3d> points)
+{
+    const Eigen::Vector3d chord = points.back() - points.front();
+    const Eigen::Vector3d along = chord.norm() > 0.0 ? Eigen::Vector3d(chord.normalized()) : Eigen::Vector3d::Zero();
+    std::size_t farthest = points.size() / 2;
+    double largest = 0.0;
+    for (std::size_t i = 1; i + 1 < points.size(); ++i) {
+        const Eigen::Vector3d d = points[i] - points.front();
+        const double distance2 = (d - d.dot(along) * along).squaredNorm();
+        if (distance2 > largest) {
+            largest = distance2;
+            farthest = i;
+        }
+    }
+    return farthest;
+}
+
+// Appends the straight pieces of a polyline: the whole, or those of the two parts it has at its sharpest bend.
 void cut(std::span<const Eigen::Vector3d> points, const Planes& planes, const BorderLimits& limits,
          std::vector<StraightBorder>& out)
 {
@@ -122,12 +169,11 @@ void cut(std::span<const Eigen::Vector3d> points, const Planes& planes, const Bo
     while (!open.empty()) {
         const auto piece = open.back();
         open.pop_back();
-        if (piece.size() < 2) continue;
         const FittedLine line = fit_line(piece);
-        if (line.rms > limits.max_rms) {
-            const std::size_t middle = std::clamp<std::size_t>(line.farthest, 1, piece.size() - 2);
-            open.push_back(piece.subspan(middle));
-            open.push_back(piece.first(middle + 1));
+        if (line.rms > limits.max_rms && piece.size() > 2) {
+            const std::size_t bend = farthest_from_chord(piece);
+            open.push_back(piece.subspan(bend));
+            open.push_back(piece.first(bend + 1));
             continue;
         }
         double low = 0.0, high = 0.0;
@@ -151,7 +197,8 @@ std::vector<StraightBorder> straight_borders(const PlaneMesh& mesh, const Border
         std::size_t end = begin;
         while (end < edges.size() && edges[end].planes == edges[begin].planes)
             ++end;
-        for (const auto& line : Chainer(mesh.mesh, std::span(edges).subspan(begin, end - begin)).chains())
+        const auto chains = Chainer(mesh.mesh, std::span(edges).subspan(begin, end - begin)).chains();
+        for (const auto& line : link(chains, limits.max_gap))
             cut(line, edges[begin].planes, limits, borders);
         begin = end;
     }

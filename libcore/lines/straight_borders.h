@@ -16,6 +16,7 @@ struct StraightBorder {
 struct BorderLimits {
     double min_angle = 0.0;  // between the planes, without regard to their sides [rad]
     double min_length = 0.0; // [m]
+    double max_gap = 0.0;    // over which a border goes on [m]
     double max_rms = 0.0;    // of the border's vertices to its line [m]
 };
 
