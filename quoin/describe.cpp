@@ -35,8 +35,8 @@ void print_stage(const StageDescription& stage)
     print_ports("outputs", stage.outputs);
     fmt::print("\nparameters\n");
     for (const auto& spec : stage.params)
-        fmt::print("  {:<26} {:<24} {:<12} {}\n", spec.name, interval_text(spec), format_param(spec.default_value),
-                   spec.doc);
+        fmt::print("  {:<26} {} (default {})\n      {}\n", spec.name, interval_text(spec),
+                   format_param(spec.default_value), spec.doc);
 }
 
 } // namespace

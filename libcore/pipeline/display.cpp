@@ -46,7 +46,7 @@ std::string end_text(const TaskResult& result)
     case TaskState::Computed:
         return fmt::format("done in {}, {}", duration_text(result.seconds), bytes_text(memory));
     case TaskState::Cached:
-        return "in the store";
+        return fmt::format("in the store (took {}, {})", duration_text(result.record->seconds), bytes_text(memory));
     case TaskState::Stopped:
         return "stopped";
     case TaskState::Failed:
