@@ -4,6 +4,7 @@
 #include "base/parallel.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace quoin {
@@ -88,50 +89,44 @@ bool sees(const Projector& p, const Eigen::Vector3f& center, float radius, float
     return false;
 }
 
-// One row of voxels along the world's x, seen by one view.
-struct Row {
-    alignas(32) std::array<float, kBlockSide> z;       // [m]
-    alignas(32) std::array<float, kBlockSide> stretch; // length of the ray to unit depth
-    alignas(32) std::array<std::uint32_t, kBlockSide> pixel;
-    alignas(32) std::array<float, kBlockSide> depth;    // [m]
-    alignas(32) std::array<float, kBlockSide> distance; // [m], along the ray
-    alignas(32) std::array<float, kBlockSide> weight;
-};
+// One layer of voxels, x + 8 y, seen by one view. Long enough that the compiler vectorises loops over it.
+constexpr std::size_t kLayer = kBlockSide * kBlockSide;
+template <class T>
+using LayerOf = std::array<T, kLayer>;
 
-void project(const Projector& p, const Eigen::Vector3f& start, Row& row)
+struct Layer {
+    alignas(32) LayerOf<float> z;       // [m]
+    alignas(32) LayerOf<float> stretch; // length of the ray to unit depth
+    alignas(32) LayerOf<std::uint32_t> pixel;
+    alignas(32) LayerOf<float> depth;    // [m]
+    alignas(32) LayerOf<float> distance; // [m], along the ray
+    alignas(32) LayerOf<float> weight;
+    alignas(32) LayerOf<std::uint32_t> surface; // PixelSurface: incidence, blue, green, red from the high byte
+};
+static_assert(sizeof(PixelSurface) == sizeof(std::uint32_t) && std::endian::native == std::endian::little);
+
+void project(const Projector& p, const Eigen::Vector3f& start, Layer& layer)
 {
     const auto missing = static_cast<std::int32_t>(p.view->depth.size() - 1);
     const auto width = static_cast<std::int32_t>(p.width);
-    const Eigen::Vector3f step = p.step.col(0);
-    alignas(32) std::array<std::int32_t, kBlockSide> pixel;
-    for (std::size_t i = 0; i < kBlockSide; ++i) {
-        const auto n = static_cast<float>(static_cast<std::int32_t>(i));
-        const float x = start.x() + n * step.x(), y = start.y() + n * step.y(), z = start.z() + n * step.z();
+    const Eigen::Vector3f dx = p.step.col(0), dy = p.step.col(1);
+    alignas(32) LayerOf<std::int32_t> pixel;
+    for (std::int32_t i = 0; i < static_cast<std::int32_t>(kLayer); ++i) {
+        const auto nx = static_cast<float>(i % kBlockSide), ny = static_cast<float>(i / kBlockSide);
+        const float x = start.x() + nx * dx.x() + ny * dy.x(), y = start.y() + nx * dx.y() + ny * dy.y();
+        const float z = start.z() + nx * dx.z() + ny * dy.z();
         const float inverse = 1.0f / z;
         const float u = p.fx * x * inverse + (p.cx + 0.5f), v = p.fy * y * inverse + (p.cy + 0.5f);
         const bool inside = (z > kNear) & (u >= 0.0f) & (v >= 0.0f) & (u < p.width) & (v < p.height);
-        const auto column = static_cast<std::int32_t>(inside ? u : 0.0f),
-                   line = static_cast<std::int32_t>(inside ? v : 0.0f);
-        pixel[i] = inside ? line * width + column : missing;
-        row.z[i] = z;
-        row.stretch[i] = std::sqrt(x * x + y * y + z * z) * inverse;
+        const auto column = static_cast<std::int32_t>(inside ? u : 0.0f);
+        const auto line = static_cast<std::int32_t>(inside ? v : 0.0f);
+        const auto n = static_cast<std::size_t>(i);
+        pixel[n] = inside ? line * width + column : missing;
+        layer.z[n] = z;
+        layer.stretch[n] = std::sqrt(x * x + y * y + z * z) * inverse;
     }
-    for (std::size_t i = 0; i < kBlockSide; ++i)
-        row.pixel[i] = static_cast<std::uint32_t>(pixel[i]);
-}
-
-// Distances and which voxels the view says something about; false if none.
-bool measure(const Projector& p, float truncation, Row& row)
-{
-    for (std::size_t i = 0; i < kBlockSide; ++i)
-        row.depth[i] = p.view->depth[row.pixel[i]];
-    int known = 0;
-    for (std::size_t i = 0; i < kBlockSide; ++i) {
-        const float s = (row.depth[i] - row.z[i]) * row.stretch[i];
-        row.distance[i] = s;
-        known += (row.depth[i] > 0.0f) & (s > -truncation) ? 1 : 0;
-    }
-    return known > 0;
+    for (std::size_t i = 0; i < kLayer; ++i)
+        layer.pixel[i] = static_cast<std::uint32_t>(pixel[i]);
 }
 
 struct Reach {
@@ -139,37 +134,34 @@ struct Reach {
     float voxel_size; // [m]
 };
 
-// What the pixels of a row say of the surface.
-struct RowSurface {
-    alignas(32) std::array<float, kBlockSide> cosine;
-    alignas(32) std::array<float, kBlockSide> has_color; // 0 or 1
-    alignas(32) std::array<std::array<float, kBlockSide>, 3> color;
-};
-
-void look_up(const DepthView& view, const Row& row, RowSurface& surface)
+// Signed distances; false if the view says nothing about any voxel of the layer.
+bool measure(const DepthView& view, const Reach& reach, Layer& layer)
 {
-    for (std::size_t i = 0; i < kBlockSide; ++i) {
-        const PixelSurface pixel = view.surface[row.pixel[i]];
-        surface.cosine[i] = static_cast<float>(pixel.incidence & ~kHasColor) * (1.0f / kIncidenceScale);
-        surface.has_color[i] = static_cast<float>(pixel.incidence >> 7);
-        for (std::size_t c = 0; c < 3; ++c)
-            surface.color[c][i] = static_cast<float>(pixel.color[c]);
+    for (std::size_t i = 0; i < kLayer; ++i)
+        layer.depth[i] = view.depth[layer.pixel[i]];
+    std::int32_t known = 0;
+    for (std::size_t i = 0; i < kLayer; ++i) {
+        const float s = (layer.depth[i] - layer.z[i]) * layer.stretch[i];
+        layer.distance[i] = s;
+        known += (layer.depth[i] > 0.0f) & (s > -reach.truncation) ? 1 : 0;
     }
+    return known > 0;
 }
 
 // Weight: cosine of incidence / d^2; behind the surface it fades to 0 at the truncation, so that the back of a thin
 // wall is not overwritten (Bylow et al. 2013). Returns whether a voxel is near enough to take a colour.
-bool accumulate_distance(const RowSurface& surface, const Reach& reach, Row& row, float* __restrict distance,
-                         float* __restrict weight)
+bool accumulate_distance(const Reach& reach, Layer& layer, float* __restrict distance, float* __restrict weight)
 {
     const float fade = 1.0f / (reach.truncation - reach.voxel_size), scale = 1.0f / reach.truncation;
-    int near = 0;
-    for (std::size_t i = 0; i < kBlockSide; ++i) {
-        const float s = row.distance[i], d = row.depth[i];
+    std::int32_t near = 0;
+    for (std::size_t i = 0; i < kLayer; ++i) {
+        const float s = layer.distance[i], d = layer.depth[i];
         const bool known = (d > 0.0f) & (s > -reach.truncation);
-        const float faded = surface.cosine[i] * std::min(1.0f, (reach.truncation + s) * fade) / (d * d);
+        const auto incidence = static_cast<std::int32_t>(layer.surface[i] >> 24 & ~std::uint32_t{kHasColor});
+        const float cosine = static_cast<float>(incidence) * (1.0f / kIncidenceScale);
+        const float faded = cosine * std::min(1.0f, (reach.truncation + s) * fade) / (d * d);
         const float w = known ? faded : 0.0f;
-        row.weight[i] = w;
+        layer.weight[i] = w;
         distance[i] += w * std::min(1.0f, s * scale);
         weight[i] += w;
         near += known & (s < reach.truncation) ? 1 : 0;
@@ -177,36 +169,37 @@ bool accumulate_distance(const RowSurface& surface, const Reach& reach, Row& row
     return near > 0;
 }
 
-void accumulate_color(const RowSurface& surface, const Reach& reach, const Row& row, Sums& sums, std::size_t at)
+void accumulate_color(const Reach& reach, const Layer& layer, Sums& sums, std::size_t at)
 {
     const float scale = 1.0f / reach.truncation;
-    alignas(32) std::array<float, kBlockSide> weight;
-    for (std::size_t i = 0; i < kBlockSide; ++i) {
-        const float closeness = std::max(0.0f, 1.0f - std::abs(row.distance[i]) * scale);
-        weight[i] = surface.has_color[i] * row.weight[i] * closeness;
+    alignas(32) LayerOf<float> weight;
+    for (std::size_t i = 0; i < kLayer; ++i) {
+        const float closeness = std::max(0.0f, 1.0f - std::abs(layer.distance[i]) * scale);
+        const auto has_color = static_cast<float>(static_cast<std::int32_t>(layer.surface[i] >> 31));
+        weight[i] = has_color * layer.weight[i] * closeness;
     }
     float* __restrict total = sums.color_weight.data() + at;
-    for (std::size_t i = 0; i < kBlockSide; ++i)
+    for (std::size_t i = 0; i < kLayer; ++i)
         total[i] += weight[i];
-    for (std::size_t c = 0; c < 3; ++c) {
+    for (std::uint32_t c = 0; c < 3; ++c) {
         float* __restrict color = sums.color[c].data() + at;
-        for (std::size_t i = 0; i < kBlockSide; ++i)
-            color[i] += weight[i] * surface.color[c][i];
+        for (std::size_t i = 0; i < kLayer; ++i)
+            color[i] += weight[i] * static_cast<float>(static_cast<std::int32_t>(layer.surface[i] >> (8 * c) & 255u));
     }
 }
 
 void add_view(const Projector& p, const Eigen::Vector3f& origin, const Reach& reach, Sums& sums)
 {
-    Row row;
-    RowSurface surface;
-    for (int line = 0; line < kBlockSide * kBlockSide; ++line) {
-        const auto y = static_cast<float>(line % kBlockSide), z = static_cast<float>(line / kBlockSide);
-        project(p, origin + y * p.step.col(1) + z * p.step.col(2), row);
-        if (!measure(p, reach.truncation, row)) continue;
-        look_up(*p.view, row, surface);
-        const auto at = static_cast<std::size_t>(line * kBlockSide);
-        const bool near = accumulate_distance(surface, reach, row, sums.distance.data() + at, sums.weight.data() + at);
-        if (near && p.view->has_color) accumulate_color(surface, reach, row, sums, at);
+    Layer layer;
+    const DepthView& view = *p.view;
+    for (int z = 0; z < kBlockSide; ++z) {
+        project(p, origin + static_cast<float>(z) * p.step.col(2), layer);
+        if (!measure(view, reach, layer)) continue;
+        for (std::size_t i = 0; i < kLayer; ++i)
+            layer.surface[i] = std::bit_cast<std::uint32_t>(view.surface[layer.pixel[i]]);
+        const std::size_t at = kLayer * static_cast<std::size_t>(z);
+        const bool near = accumulate_distance(reach, layer, sums.distance.data() + at, sums.weight.data() + at);
+        if (near && view.has_color) accumulate_color(reach, layer, sums, at);
     }
 }
 
