@@ -128,7 +128,8 @@ template <class Read>
 void read_list(const std::filesystem::path& path, const char* key, const Read& read)
 {
     try {
-        for (const ordered_json& item : ordered_json::parse(read_text(path)).at(key))
+        const ordered_json file = ordered_json::parse(read_text(path));
+        for (const ordered_json& item : file.at(key))
             read(item);
     } catch (const nlohmann::json::exception& error) {
         throw InputError(

@@ -12,11 +12,17 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3f;
 
+// A number in 0..1 for every point of a lattice (the mixer is Wellons' lowbias32).
 double lattice(std::int64_t x, std::int64_t y, std::uint32_t seed)
 {
-    const auto key = static_cast<std::uint64_t>(x) * 0x9e3779b1ull ^ static_cast<std::uint64_t>(y) << 32 ^ seed;
-    return static_cast<double>(mix_bits(key) >> 11) * 0x1.0p-53;
+    std::uint32_t h =
+        static_cast<std::uint32_t>(x) * 0x8da6b343u ^ static_cast<std::uint32_t>(y) * 0xd8163841u ^ seed * 0xcb1ab31fu;
+    h = (h ^ (h >> 16)) * 0x7feb352du;
+    h = (h ^ (h >> 15)) * 0x846ca68bu;
+    return static_cast<double>(h ^ (h >> 16)) * 0x1.0p-32;
 }
+
+double mix(double a, double b, double t) { return a + t * (b - a); }
 
 // Value noise in 0..1 with features of size 1.
 double noise(double x, double y, std::uint32_t seed)
@@ -25,9 +31,9 @@ double noise(double x, double y, std::uint32_t seed)
     const auto ix = static_cast<std::int64_t>(fx), iy = static_cast<std::int64_t>(fy);
     const auto ease = [](double t) { return t * t * (3.0 - 2.0 * t); };
     const double tx = ease(x - fx), ty = ease(y - fy);
-    const double top = std::lerp(lattice(ix, iy, seed), lattice(ix + 1, iy, seed), tx);
-    const double bottom = std::lerp(lattice(ix, iy + 1, seed), lattice(ix + 1, iy + 1, seed), tx);
-    return std::lerp(top, bottom, ty);
+    const double top = mix(lattice(ix, iy, seed), lattice(ix + 1, iy, seed), tx);
+    const double bottom = mix(lattice(ix, iy + 1, seed), lattice(ix + 1, iy + 1, seed), tx);
+    return mix(top, bottom, ty);
 }
 
 // Three octaves, centred on zero, within -0.5..0.5.
