@@ -20,9 +20,9 @@ struct TexelChart {
     std::uint32_t page = 0;
     int x = 0, y = 0; // of the rectangle on the page [px]
     int gutter = 0;
-    Image<std::uint32_t> face; // of every texel of the rectangle, into chart.face; kNoFace outside. A texel just
-                               // outside the chart has the nearest face, so that bilinear look-ups inside the chart
-                               // meet known texels only.
+    Image<std::uint32_t> face;  // of every texel of the rectangle, into chart.face; kNoFace outside. A texel just
+                                // outside the chart has the nearest face, so that bilinear look-ups inside the chart
+                                // meet known texels only.
     Image<std::uint8_t> inside; // 1 = the texel's centre is on a face of the chart
 
     int width() const { return face.width; }

@@ -14,48 +14,64 @@ constexpr int kLeastPyramidSide = 32;    // [px]
 constexpr double kSigmas = 3.0;          // of the sensor's noise that still count as agreement
 constexpr double kUnmeasuredTrust = 0.2; // where the sensor gave no depth, something unmodelled may stand in front
 constexpr float kFarFromEdges = 1e6f;    // [px]
+constexpr double kBilinearReach = 2.0;   // from a rounded pixel to the farthest that its colour mixes [px]
 constexpr double kLeastRamp = 0.02;      // weight right at the margin; better than no view at all
 constexpr float kSaturated = 250.0f;     // recorded grey level whose true brightness is unknown
 constexpr float kSaturatedWeight = 0.1f;
 constexpr double kCornerCentring = 0.5; // quality of the image's corners against its middle
 
-// Marks pixels at a step of depth. The inverse depth of a plane is linear in the image, so its second difference is 0
-// on every plane, however oblique, and z^2 times it is the step [m].
-Image<float> depth_edges(const DepthImage& depth, double jump, double noise)
+// Starts of distances: 0 at a step of depth, far elsewhere. The inverse depth of a plane is linear in the image, so its
+// second difference is 0 on every plane, however oblique, and z^2 times it is the step [m].
+Image<float> depth_steps(const DepthImage& depth, double jump, double noise)
 {
-    Image<float> edge(depth.width, depth.height, 0.0f);
+    Image<float> start(depth.width, depth.height, kFarFromEdges);
     const auto check = [&](int x, int y, int dx, int dy) {
         const float z = depth.at(x, y), before = depth.at(x - dx, y - dy), after = depth.at(x + dx, y + dy);
         if (z <= 0.0f || before <= 0.0f || after <= 0.0f) return;
         const double step = std::abs(1.0 / before - 2.0 / z + 1.0 / after) * z * z;
-        if (step > std::max(jump, kSigmas * std::sqrt(6.0) * noise * z * z)) edge.at(x, y) = 1.0f;
+        if (step > std::max(jump, kSigmas * std::sqrt(6.0) * noise * z * z)) start.at(x, y) = 0.0f;
     };
     for (int y = 0; y < depth.height; ++y)
         for (int x = 0; x < depth.width; ++x) {
             if (x > 0 && x + 1 < depth.width) check(x, y, 1, 0);
             if (y > 0 && y + 1 < depth.height) check(x, y, 0, 1);
         }
-    return edge;
+    return start;
 }
 
-// Distance of every pixel to the nearest edge pixel by two chamfer sweeps [px]; `outside` is that of pixels beside the
+// The mesh's own border is less of an edge than a step: only pixels that a bilinear sample would mix are kept away
+// from.
+void add_mesh_border(const DepthImage& drawn, double margin, Image<float>& start)
+{
+    const auto distance = static_cast<float>(std::max(0.0, margin - kBilinearReach));
+    for (std::size_t i = 0; i < drawn.pixels.size(); ++i)
+        if (drawn.pixels[i] <= 0.0f) start.pixels[i] = std::min(start.pixels[i], distance);
+}
+
+// Grows the starts into distances of all pixels by two chamfer sweeps [px]; `outside` is that of pixels beside the
 // image.
-Image<float> distance_to_edges(const Image<float>& edge, float outside)
+Image<float> grow_distances(Image<float> distance, float outside)
 {
     constexpr float kDiagonal = std::numbers::sqrt2_v<float>;
-    Image<float> distance(edge.width, edge.height);
     const auto beside = [&](int x, int y) { return distance.contains(x, y) ? distance.at(x, y) : outside; };
-    for (int y = 0; y < edge.height; ++y)
-        for (int x = 0; x < edge.width; ++x)
-            distance.at(x, y) = edge.at(x, y) != 0.0f
-                                    ? 0.0f
-                                    : std::min({beside(x - 1, y) + 1.0f, beside(x, y - 1) + 1.0f,
-                                                beside(x - 1, y - 1) + kDiagonal, beside(x + 1, y - 1) + kDiagonal});
-    for (int y = edge.height - 1; y >= 0; --y)
-        for (int x = edge.width - 1; x >= 0; --x)
-            distance.at(x, y) = std::min({distance.at(x, y), beside(x + 1, y) + 1.0f, beside(x, y + 1) + 1.0f,
-                                          beside(x + 1, y + 1) + kDiagonal, beside(x - 1, y + 1) + kDiagonal});
+    const auto relax = [&](int x, int y, int side) {
+        distance.at(x, y) = std::min({distance.at(x, y), beside(x + side, y) + 1.0f, beside(x, y + side) + 1.0f,
+                                      beside(x + side, y + side) + kDiagonal, beside(x - side, y + side) + kDiagonal});
+    };
+    for (int y = 0; y < distance.height; ++y)
+        for (int x = 0; x < distance.width; ++x)
+            relax(x, y, -1);
+    for (int y = distance.height - 1; y >= 0; --y)
+        for (int x = distance.width - 1; x >= 0; --x)
+            relax(x, y, 1);
     return distance;
+}
+
+Image<float> distance_to_drawn_edges(const DepthImage& drawn, const BakeTextureParams& params)
+{
+    Image<float> start = depth_steps(drawn, params.depth_jump, 0.0);
+    add_mesh_border(drawn, params.edge_margin, start);
+    return grow_distances(std::move(start), 0.0f);
 }
 
 std::vector<ColorImage> pyramid(ColorImage image)
@@ -80,8 +96,8 @@ TextureView::TextureView(const ScanImages& images, const Keyframes& keyframes, c
       color_from_world_(alignment.color_from_world(k)), depth_from_world_(alignment.camera_from_world[k]),
       color_(pyramid(images.color(keyframes.frame[k]))),
       drawn_(rasterize(mesh, color_camera_, color_from_world_).depth), measured_(images.depth(keyframes.frame[k])),
-      drawn_edge_(distance_to_edges(depth_edges(drawn_, params.depth_jump, 0.0), 0.0f)),
-      measured_edge_(distance_to_edges(depth_edges(measured_, params.depth_jump, params.depth_noise), kFarFromEdges)),
+      drawn_edge_(distance_to_drawn_edges(drawn_, params)),
+      measured_edge_(grow_distances(depth_steps(measured_, params.depth_jump, params.depth_noise), kFarFromEdges)),
       gain_(alignment.gain[k]), bias_(alignment.bias[k])
 {
     const float blur = keyframes.frame[k] < keyframes.blur.size() ? keyframes.blur[keyframes.frame[k]] : 0.0f;

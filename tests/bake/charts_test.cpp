@@ -23,14 +23,15 @@ double signed_uv_area(const TriangleMesh& mesh, const Chart& chart, FaceId f)
 
 std::size_t face_count(const std::vector<Chart>& charts)
 {
-    return std::accumulate(charts.begin(), charts.end(), std::size_t{0}, [](std::size_t n, const Chart& c) { return n + c.face.size(); });
+    return std::accumulate(charts.begin(), charts.end(), std::size_t{0},
+                           [](std::size_t n, const Chart& c) { return n + c.face.size(); });
 }
 
 // A sheet along x that is folded back over itself, all in one plane cluster.
 PlaneMesh folded_sheet()
 {
-    PlaneMesh mesh = join_sheets({{{0, 0, 0}, Vector3d::UnitX(), Vector3d::UnitY(), 2},
-                                  {{1, 0, 0}, {-0.5, 0, 0.1}, Vector3d::UnitY(), 2}});
+    PlaneMesh mesh = join_sheets(
+        {{{0, 0, 0}, Vector3d::UnitX(), Vector3d::UnitY(), 2}, {{1, 0, 0}, {-0.5, 0, 0.1}, Vector3d::UnitY(), 2}});
     std::ranges::fill(mesh.face_plane, PlaneId{0});
     mesh.plane.resize(1);
     return mesh;
@@ -41,7 +42,8 @@ TEST(Charts, AreOnePerConnectedPieceOfAPlane)
     PlaneMesh mesh = join_sheets({{{0, 0, 0}, Vector3d::UnitX(), Vector3d::UnitY(), 3},
                                   {{2, 0, 0}, Vector3d::UnitX(), Vector3d::UnitY(), 3},
                                   {{0, 0, 0}, Vector3d::UnitY(), Vector3d::UnitZ(), 3}});
-    for (auto& plane : mesh.face_plane) plane = plane == 1 ? 0 : plane; // the first two sheets are one plane
+    for (auto& plane : mesh.face_plane)
+        plane = plane == 1 ? 0 : plane; // the first two sheets are one plane
     const auto charts = make_charts(mesh, kMinFacing);
     EXPECT_EQ(charts.size(), 3u);
     EXPECT_EQ(face_count(charts), mesh.mesh.face.size());
@@ -76,7 +78,8 @@ TEST(Charts, NeverTurnAFaceOver)
     const auto charts = make_charts(mesh, kMinFacing);
     EXPECT_EQ(charts.size(), 2u) << "the folded part has a chart of its own";
     for (const Chart& chart : charts)
-        for (const FaceId f : chart.face) EXPECT_LT(signed_uv_area(mesh.mesh, chart, f), 0.0) << "counter-clockwise with v down";
+        for (const FaceId f : chart.face)
+            EXPECT_LT(signed_uv_area(mesh.mesh, chart, f), 0.0) << "counter-clockwise with v down";
 }
 
 TEST(Charts, KeepTheirSenseWhenTurnedByARightAngle)
@@ -89,7 +92,8 @@ TEST(Charts, KeepTheirSenseWhenTurnedByARightAngle)
     EXPECT_NEAR(chart.extent.x(), 1.0, 1e-6);
     for (const FaceId f : chart.face) {
         EXPECT_LT(signed_uv_area(mesh.mesh, chart, f), 0.0);
-        for (int k = 0; k < 3; ++k) EXPECT_GE(chart.from_world(corner(mesh.mesh, f, k)).minCoeff(), -1e-6);
+        for (int k = 0; k < 3; ++k)
+            EXPECT_GE(chart.from_world(corner(mesh.mesh, f, k)).minCoeff(), -1e-6);
     }
 }
 
@@ -102,7 +106,8 @@ TEST(Charts, TakeZeroAreaFacesAlong)
     mesh.face_plane.push_back(2);
     const auto charts = make_charts(mesh, kMinFacing);
     EXPECT_EQ(face_count(charts), mesh.mesh.face.size());
-    for (const auto& chart : charts) EXPECT_TRUE(chart.extent.allFinite() && chart.axis_u.allFinite());
+    for (const auto& chart : charts)
+        EXPECT_TRUE(chart.extent.allFinite() && chart.axis_u.allFinite());
 }
 
 TEST(Charts, SplitSheetsThatWouldOverlap)
@@ -130,7 +135,8 @@ TEST(Charts, SplitSheetsThatWouldOverlap)
     for (const Chart& chart : charts) {
         Image<int> covered(800, 800, 0);
         for (const FaceId f : chart.face)
-            for_each_texel(chart_triangle(mesh.mesh, chart, f), 800, 800, 0.0, [&](int x, int y, double) { EXPECT_EQ(covered.at(x, y)++, 0); });
+            for_each_texel(chart_triangle(mesh.mesh, chart, f), 800, 800, 0.0,
+                           [&](int x, int y, double) { EXPECT_EQ(covered.at(x, y)++, 0); });
     }
 }
 
@@ -142,7 +148,8 @@ TEST(Charts, AreCutWhenTheyAreLongerThanAPage)
     fit_charts(mesh, charts, 512, 80.0);
     EXPECT_GE(charts.size(), 2u);
     EXPECT_EQ(face_count(charts), mesh.mesh.face.size());
-    for (const Chart& chart : charts) EXPECT_LE(chart.extent.maxCoeff() * chart.density, 512.0);
+    for (const Chart& chart : charts)
+        EXPECT_LE(chart.extent.maxCoeff() * chart.density, 512.0);
 }
 
 TEST(Charts, OfOneFaceLongerThanAPageBecomeCoarser)
@@ -162,7 +169,8 @@ TEST(Atlas, PutsEveryTexelWhereItsFaceIs)
 {
     const PlaneMesh mesh = with_noise(room_corner(4), 0.01f);
     auto charts = make_charts(mesh, kMinFacing);
-    for (auto& chart : charts) chart.density = 100.0;
+    for (auto& chart : charts)
+        chart.density = 100.0;
     const Atlas atlas = lay_out_atlas(mesh, charts, {4, 1024, 1e7, 100.0});
     for (const TexelChart& texels : atlas.chart) {
         const TexelPositions positions(mesh, texels);
@@ -182,10 +190,12 @@ TEST(Atlas, LowersTheDensityUntilTheTexelsFit)
 {
     const PlaneMesh mesh = room_corner(4);
     auto charts = make_charts(mesh, kMinFacing);
-    for (auto& chart : charts) chart.density = 500.0;
+    for (auto& chart : charts)
+        chart.density = 500.0;
     const Atlas atlas = lay_out_atlas(mesh, charts, {4, 1024, 1e5, 100.0});
     double texels = 0.0;
-    for (const auto& chart : atlas.chart) texels += static_cast<double>(chart.face.pixels.size());
+    for (const auto& chart : atlas.chart)
+        texels += static_cast<double>(chart.face.pixels.size());
     EXPECT_LE(texels, 1.02e5);
     EXPECT_GT(texels, 0.9e5);
 }

@@ -30,12 +30,14 @@ double expect_disjoint(const std::vector<RectangleSize>& sizes, const Packing& p
     }
     for (std::size_t i = 0; i < sizes.size(); ++i) {
         const auto& place = packing.rectangle[i];
-        const int width = place.turned ? sizes[i].height : sizes[i].width, height = place.turned ? sizes[i].width : sizes[i].height;
+        const int width = place.turned ? sizes[i].height : sizes[i].width,
+                  height = place.turned ? sizes[i].width : sizes[i].height;
         auto& page = pages[place.page];
         EXPECT_TRUE(place.x >= 0 && place.y >= 0 && place.x + width <= page.width && place.y + height <= page.height);
         int met = 0;
         for (int y = place.y; y < place.y + height; ++y)
-            for (int x = place.x; x < place.x + width; ++x) met += page.at(x, y)++;
+            for (int x = place.x; x < place.x + width; ++x)
+                met += page.at(x, y)++;
         EXPECT_EQ(met, 0) << "rectangle " << i;
         used += static_cast<double>(width) * height;
     }

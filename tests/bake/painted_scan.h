@@ -18,7 +18,8 @@ namespace quoin::test {
 
 using Paint = std::function<Eigen::Vector3d(const Eigen::Vector3d& p_world)>; // 0..255
 
-inline Rigid looking_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target, const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ())
+inline Rigid looking_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target,
+                        const Eigen::Vector3d& up = Eigen::Vector3d::UnitZ())
 {
     const Eigen::Vector3d z = (target - eye).normalized(), x = z.cross(up).normalized(), y = z.cross(x);
     Rigid world_from_camera = Rigid::Identity();
@@ -51,7 +52,8 @@ public:
                 const Eigen::Vector3d p_world = camera_from_world.inverse() * (scan_.color.ray({x, y}) * z);
                 const Eigen::Vector3d recorded = (paint_(p_world).array() - bias) / gain;
                 for (int c = 0; c < 3; ++c)
-                    color.at(x, y)[static_cast<std::size_t>(c)] = static_cast<std::uint8_t>(std::lround(std::clamp(recorded[c], 0.0, 255.0)));
+                    color.at(x, y)[static_cast<std::size_t>(c)] =
+                        static_cast<std::uint8_t>(std::lround(std::clamp(recorded[c], 0.0, 255.0)));
                 depth.at(x, y) = static_cast<std::uint16_t>(std::lround(z / scan_.depth_unit));
             }
         Frame frame;
@@ -76,7 +78,8 @@ public:
 private:
     ScanFile save(const std::string& name, const std::vector<std::byte>& bytes)
     {
-        std::ofstream(folder_ / name, std::ios::binary).write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+        std::ofstream(folder_ / name, std::ios::binary)
+            .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
         return {name, sha256(bytes)};
     }
 
