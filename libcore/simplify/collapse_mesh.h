@@ -112,12 +112,13 @@ inline TriangleShape triangle_shape(const Eigen::Vector3d& a, const Eigen::Vecto
     return {n / length, length / longest};
 }
 
-// Is the face `now` within the limits, or at least no worse than it `was`?
-inline bool acceptable(const TriangleShape& now, const TriangleShape& was, const Plane& plane,
-                       const ShapeLimits& limits)
+// Is the face `now` close to its plane, or does it follow the face it `was` where that one is not? Never over to the other side.
+inline bool acceptable(const TriangleShape& now, const TriangleShape& was, const Plane& plane, const ShapeLimits& limits)
 {
     if (now.shape <= 0.0 || now.shape < std::min(limits.min_shape, was.shape)) return false;
-    return now.normal.dot(plane.normal) >= std::min(limits.min_cosine, was.normal.dot(plane.normal));
+    const double facing = now.normal.dot(plane.normal);
+    if (facing >= limits.min_cosine) return true;
+    return now.normal.dot(was.normal) >= limits.min_cosine && facing >= std::min(0.0, was.normal.dot(plane.normal));
 }
 
 template <class PlaneOf>

@@ -10,8 +10,9 @@
 #include <numeric>
 #include <queue>
 
-// Every vertex carries the quadric Q of its dense faces, their area a and centroid c (a third of each face's). With the
-// plane's distance d(x), the cost of a vertex at x is  w_f Q(x) + w_p a d(x)^2 + w_v a |x - c|^2  [m^4].
+// Every vertex carries the quadric Q of its dense faces, their area a and centroid c (a third of each face's), and the
+// part a' of the area that lies on the plane. With the distance d(x) to the plane, the cost of a vertex at x is
+//     w_f Q(x) + w_p a' d(x)^2 + w_v a |x - c|^2    [m^4].
 
 namespace quoin {
 namespace {
@@ -22,11 +23,12 @@ constexpr int kDelaunaySweeps = 8; // flips die out geometrically
 struct InnerQuadric {
     Quadric faces;
     double area = 0.0;                               // [m^2]
+    double planar_area = 0.0;                        // [m^2]
     Eigen::Vector3d first = Eigen::Vector3d::Zero(); // area times centroid [m^3]
 
     friend InnerQuadric operator+(const InnerQuadric& a, const InnerQuadric& b)
     {
-        return {a.faces + b.faces, a.area + b.area, a.first + b.first};
+        return {a.faces + b.faces, a.area + b.area, a.planar_area + b.planar_area, a.first + b.first};
     }
 };
 
@@ -62,6 +64,12 @@ public:
     }
 
 private:
+    bool on_plane(const Face& face) const
+    {
+        return std::all_of(face.begin(), face.end(), [&](VertexId v) {
+            return std::abs(patch_.plane.signed_distance(mesh_.position(v))) <= params_.snap_distance;
+        });
+    }
     void sum_quadrics();
     bool contract_all();
     void collect_candidates();
@@ -94,7 +102,7 @@ void PatchSimplifier::sum_quadrics()
         const double length = n.norm(), area = length / 6.0; // a third of the face's
         if (!(length > 0.0)) continue;
         const Plane plane{n / length, -a.dot(n) / length};
-        const InnerQuadric q{Quadric::of_plane(plane, area), area,
+        const InnerQuadric q{Quadric::of_plane(plane, area), area, on_plane(mesh_.face(f)) ? area : 0.0,
                              area / 3.0 * (a + mesh_.position(j) + mesh_.position(k))};
         for (const VertexId v : mesh_.face(f))
             if (patch_.inner(v)) quadric_[v] = quadric_[v] + q;
@@ -145,7 +153,7 @@ Eigen::Vector3d PatchSimplifier::target(VertexId from, VertexId to) const
 {
     if (!patch_.inner(to)) return mesh_.position(to);
     const InnerQuadric q = quadric_[from] + quadric_[to];
-    Quadric total = Quadric::of_plane(patch_.plane, params_.plane_weight * q.area);
+    Quadric total = Quadric::of_plane(patch_.plane, params_.plane_weight * q.planar_area);
     total.A += params_.face_weight * q.faces.A + params_.point_weight * q.area * Eigen::Matrix3d::Identity();
     total.b += params_.face_weight * q.faces.b - params_.point_weight * q.first;
     return total.minimizer(0.5 * (mesh_.position(from) + mesh_.position(to)));
@@ -156,7 +164,8 @@ double PatchSimplifier::cost(const InnerQuadric& q, const Eigen::Vector3d& x) co
     if (!(q.area > 0.0)) return 0.0;
     const double d = patch_.plane.signed_distance(x);
     const double spread = (x - q.first / q.area).squaredNorm();
-    return params_.face_weight * q.faces(x) + q.area * (params_.plane_weight * d * d + params_.point_weight * spread);
+    return params_.face_weight * q.faces(x) + params_.plane_weight * q.planar_area * d * d +
+           params_.point_weight * q.area * spread;
 }
 
 bool PatchSimplifier::within_error(VertexId from, VertexId to, const Eigen::Vector3d& x) const
