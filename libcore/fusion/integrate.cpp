@@ -129,13 +129,8 @@ void project(const Projector& p, const Eigen::Vector3f& start, Layer& layer)
         layer.pixel[i] = static_cast<std::uint32_t>(pixel[i]);
 }
 
-struct Reach {
-    float truncation; // [m]
-    float voxel_size; // [m]
-};
-
 // Signed distances; false if the view says nothing about any voxel of the layer.
-bool measure(const DepthView& view, const Reach& reach, Layer& layer)
+bool measure(const DepthView& view, float truncation, Layer& layer)
 {
     for (std::size_t i = 0; i < kLayer; ++i)
         layer.depth[i] = view.depth[layer.pixel[i]];
@@ -143,35 +138,34 @@ bool measure(const DepthView& view, const Reach& reach, Layer& layer)
     for (std::size_t i = 0; i < kLayer; ++i) {
         const float s = (layer.depth[i] - layer.z[i]) * layer.stretch[i];
         layer.distance[i] = s;
-        known += (layer.depth[i] > 0.0f) & (s > -reach.truncation) ? 1 : 0;
+        known += (layer.depth[i] > 0.0f) & (s > -truncation) ? 1 : 0;
     }
     return known > 0;
 }
 
-// Weight: cosine of incidence / d^2; behind the surface it fades to 0 at the truncation, so that the back of a thin
-// wall is not overwritten (Bylow et al. 2013). Returns whether a voxel is near enough to take a colour.
-bool accumulate_distance(const Reach& reach, Layer& layer, float* __restrict distance, float* __restrict weight)
+// Weight: cosine of incidence / d^2, on both sides of the surface alike: with less of it behind, rays that pass a cup
+// or look into it carve its wall away. Returns whether a voxel is near enough to take a colour.
+bool accumulate_distance(float truncation, Layer& layer, float* __restrict distance, float* __restrict weight)
 {
-    const float fade = 1.0f / (reach.truncation - reach.voxel_size), scale = 1.0f / reach.truncation;
+    const float scale = 1.0f / truncation;
     std::int32_t near = 0;
     for (std::size_t i = 0; i < kLayer; ++i) {
         const float s = layer.distance[i], d = layer.depth[i];
-        const bool known = (d > 0.0f) & (s > -reach.truncation);
+        const bool known = (d > 0.0f) & (s > -truncation);
         const auto incidence = static_cast<std::int32_t>(layer.surface[i] >> 24 & ~std::uint32_t{kHasColor});
         const float cosine = static_cast<float>(incidence) * (1.0f / kIncidenceScale);
-        const float faded = cosine * std::min(1.0f, (reach.truncation + s) * fade) / (d * d);
-        const float w = known ? faded : 0.0f;
+        const float w = known ? cosine / (d * d) : 0.0f;
         layer.weight[i] = w;
         distance[i] += w * std::min(1.0f, s * scale);
         weight[i] += w;
-        near += known & (s < reach.truncation) ? 1 : 0;
+        near += known & (s < truncation) ? 1 : 0;
     }
     return near > 0;
 }
 
-void accumulate_color(const Reach& reach, const Layer& layer, Sums& sums, std::size_t at)
+void accumulate_color(float truncation, const Layer& layer, Sums& sums, std::size_t at)
 {
-    const float scale = 1.0f / reach.truncation;
+    const float scale = 1.0f / truncation;
     alignas(32) LayerOf<float> weight;
     for (std::size_t i = 0; i < kLayer; ++i) {
         const float closeness = std::max(0.0f, 1.0f - std::abs(layer.distance[i]) * scale);
@@ -188,18 +182,18 @@ void accumulate_color(const Reach& reach, const Layer& layer, Sums& sums, std::s
     }
 }
 
-void add_view(const Projector& p, const Eigen::Vector3f& origin, const Reach& reach, Sums& sums)
+void add_view(const Projector& p, const Eigen::Vector3f& origin, float truncation, Sums& sums)
 {
     Layer layer;
     const DepthView& view = *p.view;
     for (int z = 0; z < kBlockSide; ++z) {
         project(p, origin + static_cast<float>(z) * p.step.col(2), layer);
-        if (!measure(view, reach, layer)) continue;
+        if (!measure(view, truncation, layer)) continue;
         for (std::size_t i = 0; i < kLayer; ++i)
             layer.surface[i] = std::bit_cast<std::uint32_t>(view.surface[layer.pixel[i]]);
         const std::size_t at = kLayer * static_cast<std::size_t>(z);
-        const bool near = accumulate_distance(reach, layer, sums.distance.data() + at, sums.weight.data() + at);
-        if (near && view.has_color) accumulate_color(reach, layer, sums, at);
+        const bool near = accumulate_distance(truncation, layer, sums.distance.data() + at, sums.weight.data() + at);
+        if (near && view.has_color) accumulate_color(truncation, layer, sums, at);
     }
 }
 
@@ -210,7 +204,7 @@ void integrate(VoxelGrid& grid, std::span<const DepthView> views, double truncat
     std::vector<Projector> projectors;
     for (const auto& view : views)
         projectors.emplace_back(view, grid.voxel_size());
-    const Reach reach{static_cast<float>(truncation), static_cast<float>(grid.voxel_size())};
+    const auto reach = static_cast<float>(truncation);
     const auto radius = static_cast<float>(0.5 * std::sqrt(3.0) * grid.block_size());
     const auto update = [&](std::size_t id) {
         VoxelBlock& block = grid.block(static_cast<BlockId>(id));
@@ -221,7 +215,7 @@ void integrate(VoxelGrid& grid, std::span<const DepthView> views, double truncat
         for (const auto& p : projectors) {
             const Eigen::Vector3f origin = (p.view->camera_from_world * origin_world).cast<float>();
             const Eigen::Vector3f center = origin + p.step * Eigen::Vector3f::Constant(0.5f * kBlockSide);
-            if (!sees(p, center, radius, reach.truncation)) continue;
+            if (!sees(p, center, radius, reach)) continue;
             if (!seen) unpack(block, sums);
             seen = true;
             add_view(p, origin, reach, sums);

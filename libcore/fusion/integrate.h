@@ -8,7 +8,7 @@
 namespace quoin {
 
 // Adds the views, in order, to every block they see: distances in front of the surface count as free space, those
-// behind it as inside down to `truncation` [m], fading out. Blocks run in parallel, each through all views, so that it
+// behind it as inside down to `truncation` [m]. Blocks run in parallel, each through all views, so that it
 // stays in the cache.
 void integrate(VoxelGrid& grid, std::span<const DepthView> views, double truncation);
 
