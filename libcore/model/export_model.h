@@ -53,7 +53,7 @@ struct ModelParts {
     const Scan* scan = nullptr;
     const Keyframes* keyframes = nullptr;
     const Alignment* alignment = nullptr;
-    std::string version; // of the program, for the files' generator fields
+    std::string version = {}; // of the program, for the files' generator fields
 };
 
 // Fills an empty folder with model.glb (glTF 2.0, unlit), model.obj with model.mtl, the atlas pages model_N.jpg or

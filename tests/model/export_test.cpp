@@ -57,7 +57,8 @@ struct Glb {
     {
         const auto& view = json["bufferViews"][json["accessors"][accessor]["bufferView"].get<std::size_t>()];
         std::vector<T> result(view["byteLength"].get<std::size_t>() / sizeof(T));
-        std::memcpy(result.data(), binary.data() + view["byteOffset"].get<std::size_t>(), result.size() * sizeof(T));
+        std::memcpy(static_cast<void*>(result.data()), binary.data() + view["byteOffset"].get<std::size_t>(),
+                    result.size() * sizeof(T));
         return result;
     }
 };
