@@ -33,11 +33,17 @@ struct Sums {
         }
     }
 
+    bool has_differences() const
+    {
+        return std::ranges::any_of(difference, [](float sum) { return sum > 0.0f; });
+    }
+
+    // 0 without any difference: the direction says nothing.
     double blur() const
     {
         const double s_F = std::accumulate(difference.begin(), difference.end(), 0.0);
         const double s_V = std::accumulate(lost.begin(), lost.end(), 0.0);
-        return s_F > 0.0 ? (s_F - s_V) / s_F : 1.0;
+        return s_F > 0.0 ? (s_F - s_V) / s_F : 0.0;
     }
 };
 
@@ -63,7 +69,8 @@ double blur_of(const GrayImage& gray)
         along_y.add_row(gray.row(y), gray.row(y - 1), gray.row(std::min(y + kReach, gray.height - 1)),
                         gray.row(std::max(y - kReach - 1, 0)));
     }
-    return std::max(along_x.blur(), along_y.blur());
+    const bool is_constant = !along_x.has_differences() && !along_y.has_differences();
+    return is_constant ? 1.0 : std::max(along_x.blur(), along_y.blur());
 }
 
 } // namespace quoin
