@@ -4,14 +4,22 @@
 #include <cmath>
 
 namespace quoin {
+namespace {
+
+constexpr double kSmallAngle = 1e-2; // [rad]
+
+} // namespace
 
 Rigid exp_twist(const Twist& twist)
 {
     const Eigen::Vector3d omega = twist.head<3>();
     const double angle = omega.norm();
     const Eigen::Matrix3d W = skew(omega);
-    double a = 1.0, b = 0.5, c = 1.0 / 6.0; // sin(t)/t, (1-cos t)/t^2, (t-sin t)/t^3
-    if (angle > 1e-5) {
+    // sin(t)/t, (1-cos t)/t^2, (t-sin t)/t^3: by their series where the closed forms cancel
+    const double t2 = angle * angle;
+    double a = 1.0 - t2 / 6.0 + t2 * t2 / 120.0, b = 0.5 - t2 / 24.0 + t2 * t2 / 720.0,
+           c = 1.0 / 6.0 - t2 / 120.0 + t2 * t2 / 5040.0;
+    if (angle > kSmallAngle) {
         a = std::sin(angle) / angle;
         b = (1.0 - std::cos(angle)) / (angle * angle);
         c = (1.0 - a) / (angle * angle);
@@ -28,8 +36,8 @@ Twist log_twist(const Rigid& transform)
     const Eigen::Vector3d omega = rotation.angle() * rotation.axis();
     const double angle = rotation.angle();
     const Eigen::Matrix3d W = skew(omega);
-    double d = 1.0 / 12.0;
-    if (angle > 1e-5) d = (1.0 - angle * std::sin(angle) / (2.0 * (1.0 - std::cos(angle)))) / (angle * angle);
+    double d = 1.0 / 12.0 + angle * angle / 720.0 + angle * angle * angle * angle / 30240.0;
+    if (angle > kSmallAngle) d = (1.0 - angle * std::sin(angle) / (2.0 * (1.0 - std::cos(angle)))) / (angle * angle);
     Twist twist;
     twist.head<3>() = omega;
     twist.tail<3>() = (Eigen::Matrix3d::Identity() - 0.5 * W + d * W * W) * transform.translation();
