@@ -102,14 +102,19 @@ void Display::ended(std::size_t task, const TaskResult& result)
 
 void Display::tick()
 {
-    if (since_shown_.seconds() < (on_terminal_ ? kFrameSeconds : kLineSeconds)) return;
-    since_shown_ = Timer();
-    if (on_terminal_) {
-        erase_live_lines();
-        draw_live_lines();
-    } else {
-        for (const auto& [task, live] : live_)
-            write_line(live_line(task, live) + "\n");
+    if (!on_terminal_) return print_due_lines();
+    if (since_drawn_.seconds() < kFrameSeconds) return;
+    since_drawn_ = Timer();
+    draw_live_lines();
+}
+
+// Stages that take less than the interval stay quiet.
+void Display::print_due_lines()
+{
+    for (auto& [task, live] : live_) {
+        if (live.since_printed.seconds() < kLineSeconds) continue;
+        live.since_printed = Timer();
+        write_line(live_line(task, live) + "\n");
     }
 }
 

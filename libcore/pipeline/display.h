@@ -28,11 +28,13 @@ private:
     struct Live {
         TaskProgress progress;
         Timer timer;                   // since the task began
+        Timer since_printed;           // its last line, off a terminal
         Timer part_timer;              // since its part began
         std::size_t done_at_start = 0; // of the part
     };
     std::string live_line(std::size_t task, const Live& live) const;
     void print(const std::string& line);
+    void print_due_lines();
     void erase_live_lines();
     void draw_live_lines();
 
@@ -41,7 +43,7 @@ private:
     bool on_terminal_;
     std::map<std::size_t, Live> live_;
     std::size_t drawn_lines_ = 0;
-    Timer since_shown_;
+    Timer since_drawn_;
 };
 
 } // namespace quoin

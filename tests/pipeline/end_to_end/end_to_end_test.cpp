@@ -1,0 +1,157 @@
+// The whole data path on a small synthetic room, by the driver and by make.
+#include "artifact/artifact.h"
+#include "base/atomic_file.h"
+#include "pipeline/run_record.h"
+#include "support/command.h"
+#include "support/temporary_folder.h"
+
+#include <fstream>
+#include <gmock/gmock.h>
+#include <map>
+#include <memory>
+
+namespace quoin {
+namespace {
+
+namespace fs = std::filesystem;
+using test::CommandResult;
+using test::TemporaryFolder;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
+
+const std::string kBin = QUOIN_BINARY_DIR "/bin";
+
+// Payloads by "stage.port".
+using Digests = std::map<std::string, std::string>;
+
+Digests digests_of(const fs::path& scan_folder)
+{
+    Digests digests;
+    for (const auto& entry : fs::directory_iterator(scan_folder))
+        if (const auto record = read_run_record(entry.path() / "record.json"))
+            for (const auto& [port, payload] : record->outputs)
+                digests[entry.path().filename().string() + "." + port] = payload;
+    return digests;
+}
+
+// A room, small enough for seconds, and the results of running the pipeline on it with one thread.
+class EndToEnd : public testing::Test {
+protected:
+    static void SetUpTestSuite()
+    {
+        folder_ = std::make_unique<TemporaryFolder>();
+        const CommandResult made = in_folder(
+            kBin + "/synthesize --out folder=room --set frames=24 --set width=320 --set height=240 --set focal=260"
+                   " --set room_width=3 --set room_length=3 --set furniture=1 --set texel_size=0.01"
+                   " --set truth_samples=2000 --set truth_edge=0.5 --progress none");
+        ASSERT_EQ(made.exit_code, 0) << made.output;
+        const CommandResult first = run("one", 1);
+        ASSERT_EQ(first.exit_code, 0) << first.output;
+    }
+    static void TearDownTestSuite() { folder_.reset(); }
+
+    static CommandResult in_folder(const std::string& command)
+    {
+        return test::run_command("cd '" + folder_->path().string() + "' && unset QUOIN_STORE && " + command);
+    }
+
+    static CommandResult run(const std::string& out, int threads, const std::string& options = "")
+    {
+        return in_folder(kBin + "/quoin run --scan room --out " + out + " --threads " + std::to_string(threads) + " " +
+                         options);
+    }
+
+    static fs::path path(const std::string& name) { return *folder_ / name; }
+
+    inline static std::unique_ptr<TemporaryFolder> folder_;
+};
+
+TEST_F(EndToEnd, MakesAModelWithASummaryOfEveryStage)
+{
+    for (const char* file :
+         {"model.glb", "model.obj", "model.mtl", "model.ply", "planes.json", "trajectory.txt", "summary.json"})
+        EXPECT_GT(fs::file_size(path("one/room/model") / file), 0U) << file;
+    const std::string summary = read_text(path("one/room/model/summary.json"));
+    for (const char* key :
+         {"\"seconds\"", "\"peak_memory_bytes\"", "\"optimize-texture\"", "\"impl_version\"", "\"params\""})
+        EXPECT_THAT(summary, HasSubstr(key));
+}
+
+TEST_F(EndToEnd, GivesTheSameBytesForAnyNumberOfThreads)
+{
+    const Digests one = digests_of(path("one/room"));
+    EXPECT_GE(one.size(), 12U);
+    for (const int threads : {2, 4}) {
+        const std::string out = "threads" + std::to_string(threads);
+        const CommandResult result = run(out, threads);
+        ASSERT_EQ(result.exit_code, 0) << result.output;
+        EXPECT_EQ(digests_of(path(out + "/room")), one);
+    }
+}
+
+TEST_F(EndToEnd, ComputesNothingTheSecondTime)
+{
+    const std::string summary = read_text(path("one/room/model/summary.json"));
+    const CommandResult again = run("one", 2);
+    EXPECT_EQ(again.exit_code, 0);
+    EXPECT_THAT(again.output, AllOf(HasSubstr("nothing to compute"), Not(HasSubstr("done in"))));
+    EXPECT_EQ(read_text(path("one/room/model/summary.json")), summary);
+    EXPECT_THAT(run("one", 2, "--dry-run").output, HasSubstr(" 0 to compute"));
+}
+
+TEST_F(EndToEnd, GivesTheSameBytesByMake)
+{
+    const std::string make =
+        "make -j2 -f " QUOIN_SOURCE_DIR "/Makefile.example SCAN=room OUT=made THREADS=1 BIN=" + kBin;
+    const CommandResult made = in_folder(make);
+    ASSERT_EQ(made.exit_code, 0) << made.output;
+    const std::map<std::string, std::string> files{{"scan", "import/scan"},
+                                                   {"mesh", "fuse/mesh"},
+                                                   {"keyframes", "select-keyframes/keyframes"},
+                                                   {"partition", "partition/plane_mesh"},
+                                                   {"merge", "merge/plane_mesh"},
+                                                   {"simplify", "simplify/plane_mesh"},
+                                                   {"lines", "detect-lines/lines"},
+                                                   {"alignment", "optimize-texture/alignment"},
+                                                   {"geometry", "optimize-geometry/plane_mesh"},
+                                                   {"textured", "bake-texture/textured_mesh"},
+                                                   {"metrics", "evaluate/metrics"}};
+    for (const auto& [by_make, by_driver] : files)
+        EXPECT_EQ(read_artifact_header(path("made/" + by_make + ".safetensors")).payload,
+                  read_artifact_header(path("one/room/" + by_driver + ".safetensors")).payload)
+            << by_make;
+    EXPECT_EQ(read_text(path("made/model/model.glb")), read_text(path("one/room/model/model.glb")));
+    EXPECT_THAT(in_folder(make).output, HasSubstr("Nothing to be done"));
+}
+
+TEST_F(EndToEnd, RunsOnlyWhatAChangedParameterTouches)
+{
+    const CommandResult changed = run("one", 2, "--until export -S bake-texture.jpeg_quality=80");
+    EXPECT_EQ(changed.exit_code, 0) << changed.output;
+    EXPECT_THAT(changed.output, HasSubstr("2 stages computed"));
+}
+
+TEST_F(EndToEnd, SaysWhatIsWrongWithAScanOnce)
+{
+    fs::create_directories(path("empty"));
+    const CommandResult empty = in_folder(kBin + "/quoin run --scan empty --out bad");
+    EXPECT_EQ(empty.exit_code, 3);
+    EXPECT_THAT(empty.output, HasSubstr("empty"));
+    EXPECT_EQ(empty.output.find("error:"), empty.output.rfind("error:"));
+    EXPECT_EQ(in_folder(kBin + "/quoin run --scan nowhere --out bad").exit_code, 3);
+    EXPECT_EQ(in_folder(kBin + "/quoin run --scan room --out bad -S fuse.voxel_size=-1").exit_code, 2);
+}
+
+TEST_F(EndToEnd, SaysThatAnArtifactIsDamaged)
+{
+    const std::string whole = read_text(path("one/room/fuse/mesh.safetensors"));
+    std::ofstream(path("cut.safetensors"), std::ios::binary) << whole.substr(0, whole.size() / 2);
+    const CommandResult cut = in_folder(kBin + "/partition --in mesh=cut.safetensors --out plane_mesh=p.safetensors");
+    EXPECT_EQ(cut.exit_code, 3);
+    EXPECT_THAT(cut.output, HasSubstr("cut.safetensors"));
+    EXPECT_FALSE(fs::exists(path("p.safetensors")));
+}
+
+} // namespace
+} // namespace quoin
