@@ -5,6 +5,7 @@
 #include "bake/blend.h"
 #include "bake/density.h"
 #include "bake/fill.h"
+#include "bake/level_seams.h"
 #include "bake/pages.h"
 #include "base/error.h"
 #include "base/parallel.h"
@@ -96,6 +97,8 @@ TexturedMesh bake_texture(const ScanImages& images, const Keyframes& keyframes, 
     const Atlas atlas = make_atlas(input, params);
     auto colors = blend_views(atlas, input, params);
     fill_unseen(planes, atlas, dense, params, colors);
+    if (params.seam_width > 0.0)
+        level_seams(planes, atlas, {params.seam_width, params.band_width, params.seam_step}, colors);
 
     TexturedMesh textured;
     textured.planes = planes;

@@ -43,7 +43,8 @@ struct BakeTextureParams {
     double label_smoothness = 0.5;
     double band_width = 0.02;
     double dense_radius = 0.05;
-    bool level_seams = true;
+    double seam_width = 0.1;
+    double seam_step = 25.0;
     PageFormat format = PageFormat::Jpeg;
     int jpeg_quality = 92;
 
@@ -94,7 +95,10 @@ struct BakeTextureParams {
                   0.001, 1.0},
             Param{"dense_radius", &P::dense_radius, "m",
                   "farthest vertex of the dense mesh that colours an unseen texel", 0.001, 1.0},
-            Param{"level_seams", &P::level_seams, "", "removes steps of brightness between charts"},
+            Param{"seam_width", &P::seam_width, "m",
+                  "width over which a step of brightness between charts is faded out; 0 = leave it", 0.0, 10.0},
+            Param{"seam_step", &P::seam_step, "",
+                  "steps between charts of more grey levels are changes of material and stay", 0.5, 1000.0},
             Param{"format", &P::format, "", "encoding of the pages"},
             Param{"jpeg_quality", &P::jpeg_quality, "", "quality of JPEG pages, without chroma subsampling", 1, 100},
         };

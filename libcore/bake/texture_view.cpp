@@ -1,5 +1,6 @@
 #include "bake/texture_view.h"
 
+#include "bake/distance_field.h"
 #include "image/sampling.h"
 #include "render/rasterize.h"
 
@@ -46,25 +47,6 @@ void add_mesh_border(const DepthImage& drawn, double margin, Image<float>& start
     const auto distance = static_cast<float>(std::max(0.0, margin - kBilinearReach));
     for (std::size_t i = 0; i < drawn.pixels.size(); ++i)
         if (drawn.pixels[i] <= 0.0f) start.pixels[i] = std::min(start.pixels[i], distance);
-}
-
-// Grows the starts into distances of all pixels by two chamfer sweeps [px]; `outside` is that of pixels beside the
-// image.
-Image<float> grow_distances(Image<float> distance, float outside)
-{
-    constexpr float kDiagonal = std::numbers::sqrt2_v<float>;
-    const auto beside = [&](int x, int y) { return distance.contains(x, y) ? distance.at(x, y) : outside; };
-    const auto relax = [&](int x, int y, int side) {
-        distance.at(x, y) = std::min({distance.at(x, y), beside(x + side, y) + 1.0f, beside(x, y + side) + 1.0f,
-                                      beside(x + side, y + side) + kDiagonal, beside(x - side, y + side) + kDiagonal});
-    };
-    for (int y = 0; y < distance.height; ++y)
-        for (int x = 0; x < distance.width; ++x)
-            relax(x, y, -1);
-    for (int y = distance.height - 1; y >= 0; --y)
-        for (int x = distance.width - 1; x >= 0; --x)
-            relax(x, y, 1);
-    return distance;
 }
 
 Image<float> distance_to_drawn_edges(const DepthImage& drawn, const BakeTextureParams& params)

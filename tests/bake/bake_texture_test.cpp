@@ -234,6 +234,37 @@ TEST(BakeTexture, ColoursUnseenFacesFromAllOthersWithoutADenseMesh)
     }
 }
 
+// Two halves of a wall, each seen by a camera of its own; the alignment does not know that the second one is brighter.
+double step_between_halves(double brighter, double seam_width)
+{
+    const Vector3d up = Vector3d::UnitZ();
+    PaintedScan scan(join_sheets({{{0, 0, 0}, Vector3d::UnitX(), up, 3}, {{1, 0, 0}, Vector3d::UnitX(), up, 3}}),
+                     [](const Vector3d&) { return Vector3d(100, 110, 120); });
+    scan.add_view(looking_at({0.4, -1.0, 0.5}, {0.4, 0, 0.5}));
+    scan.add_view(looking_at({1.6, -1.0, 0.5}, {1.6, 0, 0.5}), 1.0, -brighter);
+    auto alignment = scan.alignment();
+    alignment.bias.back().setZero();
+    auto params = exact_params();
+    params.seam_width = seam_width;
+    const auto textured = bake_texture(scan.images(), scan.keyframes(), scan.planes(), alignment, nullptr, params);
+    double left = 0.0, right = 0.0, left_count = 0.0, right_count = 0.0;
+    for (const auto& texel : texels_of(textured)) {
+        const double x = texel.p_world.x() - 1.0;
+        if (std::abs(x) > 0.005) continue;
+        (x < 0.0 ? left : right) += texel.color[0];
+        (x < 0.0 ? left_count : right_count) += 1.0;
+    }
+    return right / right_count - left / left_count;
+}
+
+TEST(BakeTexture, FadesOutAStepOfBrightnessBetweenPlanes)
+{
+    EXPECT_NEAR(step_between_halves(10.0, 0.0), 10.0, 1.0);
+    EXPECT_NEAR(step_between_halves(10.0, 0.2), 0.0, 3.0);
+}
+
+TEST(BakeTexture, KeepsAStepThatIsAChangeOfMaterial) { EXPECT_NEAR(step_between_halves(90.0, 0.2), 90.0, 2.0); }
+
 TEST(BakeTexture, GivesTheSameBytesForAnyNumberOfThreads)
 {
     const auto scan = painted_corner();
