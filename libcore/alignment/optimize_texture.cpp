@@ -165,7 +165,7 @@ Alignment optimize_texture(const AlignmentInput& input, const OptimizeTexturePar
     const OptimizeTextureParams params = with_usable_levels(requested, input.scan.color);
     const AlignmentScene scene = load_scene(input.scan, input.read, input.keyframes, input.mesh, params);
     const AlignmentState start = input_state(input.scan, input.keyframes, input.mesh);
-    ProblemSource source{scene, input.keyframes, input.lines, start, params.lambda_p};
+    ProblemSource source = problem_source(scene, input.keyframes, input.lines, start);
     AlignmentProblem reference =
         make_problem(source, start, 0, kReferenceStride * level_spacing(params, 0), TexelChoice::All);
     source.lambda_p = reference.lambda_p = plane_weight(reference, start);

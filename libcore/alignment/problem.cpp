@@ -46,6 +46,17 @@ AlignmentState input_state(const Scan& scan, const Keyframes& keyframes, const P
     return state;
 }
 
+ProblemSource problem_source(const AlignmentScene& scene, const Keyframes& keyframes, const LineMatches& lines,
+                             const AlignmentState& input)
+{
+    ProblemSource source{scene, input, scene.params.lambda_p, sample_depths(scene, input), {}, {}};
+    if (scene.params.line_term == LineTermKind::Reprojection)
+        source.lines = line_observations(scene, input, keyframes, lines);
+    else
+        source.line_depths = line_depths(scene, input, keyframes, lines);
+    return source;
+}
+
 AlignmentProblem make_problem(const ProblemSource& source, const AlignmentState& state, int level, double spacing,
                               TexelChoice choice)
 {
@@ -60,11 +71,9 @@ AlignmentProblem make_problem(const ProblemSource& source, const AlignmentState&
         problem.texels = kept(problem.texels, keep);
         problem.observations = kept(problem.observations, keep);
     }
-    problem.depths = sample_depths(scene, state);
-    if (scene.params.line_term == LineTermKind::Reprojection)
-        problem.lines = line_observations(scene, state, source.keyframes, source.lines);
-    else
-        problem.line_depths = line_depths(scene, state, source.keyframes, source.lines);
+    problem.depths = source.depths;
+    problem.lines = source.lines;
+    problem.line_depths = source.line_depths;
     problem.frame_is_free = free_frames(problem);
     problem.plane_is_free = free_planes(problem);
     return problem;

@@ -165,7 +165,7 @@ inline DepthImage draw_depth(const Camera& camera, const Rigid& camera_from_worl
     return depth;
 }
 
-// Cameras on a small arc in the middle of the room that look into one of its corners.
+// Cameras on a small arc in the middle of the room that look into one of its corners, each held at another angle.
 inline Rigid room_camera(int k, int frames)
 {
     const double s = frames > 1 ? static_cast<double>(k) / (frames - 1) - 0.5 : 0.0;
@@ -175,6 +175,7 @@ inline Rigid room_camera(int k, int frames)
     const Eigen::Vector3d x = Eigen::Vector3d(0, 1, 0).cross(z).normalized(); // +y is down
     Rigid world_from_camera = Rigid::Identity();
     world_from_camera.linear() << x, z.cross(x), z;
+    world_from_camera.rotate(Eigen::AngleAxisd(0.6 * std::sin(2.3 * k), Eigen::Vector3d::UnitZ()));
     world_from_camera.translation() = eye;
     return world_from_camera.inverse();
 }
