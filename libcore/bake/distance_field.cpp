@@ -2,23 +2,39 @@
 
 #include <algorithm>
 #include <numbers>
+#include <vector>
 
 namespace quoin {
 
-Image<float> grow_distances(Image<float> distance, float outside)
+namespace {
+
+// One pixel from its neighbours on one side: beside it and in the row before, whose ends are `outside`.
+void relax(float& pixel, float beside, float before, float before_left, float before_right)
 {
     constexpr float kDiagonal = std::numbers::sqrt2_v<float>;
-    const auto beside = [&](int x, int y) { return distance.contains(x, y) ? distance.at(x, y) : outside; };
-    const auto relax = [&](int x, int y, int side) {
-        distance.at(x, y) = std::min({distance.at(x, y), beside(x + side, y) + 1.0f, beside(x, y + side) + 1.0f,
-                                      beside(x + side, y + side) + kDiagonal, beside(x - side, y + side) + kDiagonal});
-    };
-    for (int y = 0; y < distance.height; ++y)
-        for (int x = 0; x < distance.width; ++x)
-            relax(x, y, -1);
-    for (int y = distance.height - 1; y >= 0; --y)
-        for (int x = distance.width - 1; x >= 0; --x)
-            relax(x, y, 1);
+    pixel = std::min({pixel, beside + 1.0f, before + 1.0f, std::min(before_left, before_right) + kDiagonal});
+}
+
+} // namespace
+
+Image<float> grow_distances(Image<float> distance, float outside)
+{
+    const int last = distance.width - 1;
+    const std::vector<float> border(static_cast<std::size_t>(distance.width), outside);
+    for (int y = 0; y < distance.height; ++y) {
+        float* row = distance.row(y);
+        const float* before = y > 0 ? distance.row(y - 1) : border.data();
+        for (int x = 0; x <= last; ++x)
+            relax(row[x], x > 0 ? row[x - 1] : outside, before[x], x > 0 ? before[x - 1] : outside,
+                  x < last ? before[x + 1] : outside);
+    }
+    for (int y = distance.height - 1; y >= 0; --y) {
+        float* row = distance.row(y);
+        const float* before = y + 1 < distance.height ? distance.row(y + 1) : border.data();
+        for (int x = last; x >= 0; --x)
+            relax(row[x], x < last ? row[x + 1] : outside, before[x], x > 0 ? before[x - 1] : outside,
+                  x < last ? before[x + 1] : outside);
+    }
     return distance;
 }
 

@@ -67,7 +67,7 @@ std::vector<ColorImage> pyramid(ColorImage image)
 
 Eigen::Vector2i nearest(const Eigen::Vector2d& pixel)
 {
-    return {static_cast<int>(std::lround(pixel.x())), static_cast<int>(std::lround(pixel.y()))};
+    return {static_cast<int>(std::floor(pixel.x() + 0.5)), static_cast<int>(std::floor(pixel.y() + 0.5))};
 }
 
 } // namespace
@@ -80,7 +80,8 @@ TextureView::TextureView(const ScanImages& images, const Keyframes& keyframes, c
       drawn_(rasterize(mesh, color_camera_, color_from_world_).depth), measured_(images.depth(keyframes.frame[k])),
       drawn_edge_(distance_to_drawn_edges(drawn_, params)),
       measured_edge_(grow_distances(depth_steps(measured_, params.depth_jump, params.depth_noise), kFarFromEdges)),
-      gain_(alignment.gain[k]), bias_(alignment.bias[k])
+      gain_(alignment.gain[k]), bias_(alignment.bias[k]),
+      least_facing_(std::cos(params.max_view_angle * std::numbers::pi / 180.0))
 {
     const float blur = keyframes.frame[k] < keyframes.blur.size() ? keyframes.blur[keyframes.frame[k]] : 0.0f;
     sharpness_ = std::isfinite(blur) ? 1.0 - std::clamp<double>(blur, 0.0, 1.0) : 1.0;
@@ -109,7 +110,7 @@ std::optional<Sighting> TextureView::see(const Eigen::Vector3d& p_world, const E
     const Eigen::Vector2d pixel = color_camera_.project(p_color);
     if (!color_camera_.contains(pixel, 1.0)) return std::nullopt;
     const double facing = -(color_from_world_.linear() * normal_world).dot(p_color) / p_color.norm();
-    if (facing < std::cos(params_.max_view_angle * std::numbers::pi / 180.0)) return std::nullopt;
+    if (facing < least_facing_) return std::nullopt;
 
     const Eigen::Vector2i at = nearest(pixel);
     const double drawn = drawn_.at(at.x(), at.y());
@@ -134,9 +135,11 @@ std::optional<Sighting> TextureView::see(const Eigen::Vector3d& p_world, const E
 
 Eigen::Vector3f TextureView::color(const Sighting& sighting, double density) const
 {
-    const double pixels_per_texel = sighting.resolution / density;
-    const auto level = static_cast<std::size_t>(
-        std::clamp<long>(std::lround(std::log2(pixels_per_texel)), 0, static_cast<long>(color_.size()) - 1));
+    // A texel of at least sqrt(2) pixels is nearer to the next level.
+    std::size_t level = 0;
+    for (double pixels = sighting.resolution / density; pixels > std::numbers::sqrt2 && level + 1 < color_.size();
+         pixels /= 2.0)
+        ++level;
     const ColorImage& image = color_[level];
     const double scale = 1.0 / static_cast<double>(1u << level);
     const Eigen::Vector2d pixel = (sighting.pixel.array() + 0.5) * scale - 0.5;

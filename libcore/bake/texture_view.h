@@ -47,6 +47,7 @@ private:
     DepthImage drawn_, measured_;             // of the mesh in the colour camera; of the sensor in the depth camera
     Image<float> drawn_edge_, measured_edge_; // distance to the nearest edge of depth [px of the colour image]
     Eigen::Vector3f gain_, bias_;
+    double least_facing_;
     double sharpness_ = 1.0;
 };
 
