@@ -78,6 +78,16 @@ TEST_F(EndToEnd, MakesAModelWithASummaryOfEveryStage)
         EXPECT_THAT(summary, HasSubstr(key));
 }
 
+TEST_F(EndToEnd, FindsItsOwnPipelinesAndParameterSetsValid)
+{
+    for (const std::string pipeline : {"indoor", "paper"})
+        for (const auto& config : fs::directory_iterator(QUOIN_SOURCE_DIR "/configs")) {
+            const CommandResult graph =
+                in_folder(kBin + "/quoin graph " + pipeline + " --config '" + config.path().string() + "'");
+            EXPECT_EQ(graph.exit_code, 0) << graph.output;
+        }
+}
+
 TEST_F(EndToEnd, GivesTheSameBytesForAnyNumberOfThreads)
 {
     const Digests one = digests_of(path("one/room"));
