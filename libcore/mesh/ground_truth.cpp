@@ -199,4 +199,11 @@ GroundTruth read_ground_truth(const std::filesystem::path& folder)
     return truth;
 }
 
+std::optional<GroundTruth> find_ground_truth(const std::filesystem::path& scan_folder)
+{
+    const std::filesystem::path folder = scan_folder / "ground_truth";
+    if (!std::filesystem::is_directory(folder)) return std::nullopt;
+    return read_ground_truth(folder);
+}
+
 } // namespace quoin

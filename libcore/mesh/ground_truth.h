@@ -7,6 +7,7 @@
 
 #include <array>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -55,5 +56,7 @@ struct GroundTruth {
 // b, a frame a line) and samples.ply. Reading throws InputError naming file and place when one is missing or malformed.
 void write_ground_truth(const std::filesystem::path& folder, const GroundTruth& truth);
 GroundTruth read_ground_truth(const std::filesystem::path& folder);
+// That of a scan folder; nullopt when it has no ground_truth/.
+std::optional<GroundTruth> find_ground_truth(const std::filesystem::path& scan_folder);
 
 } // namespace quoin

@@ -1,0 +1,191 @@
+#include "metrics/view_metrics.h"
+
+#include "base/parallel.h"
+#include "base/progress.h"
+#include "image/sampling.h"
+#include "metrics/image_quality.h"
+#include "metrics/refine_pose.h"
+#include "metrics/surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace quoin {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+struct NamedModel {
+    std::string name;
+    std::function<RenderedView(const Camera&, const Rigid&, int supersampling)> render;
+};
+
+// What one view says of one model.
+struct ViewScore {
+    double coverage = 0, psnr_raw = 0, psnr = 0, psnr_charged = 0, ssim_raw = 0, ssim = 0, ssim_charged = 0,
+           sharpness = 0, shift = 0;
+};
+
+std::vector<FrameId> chosen_views(const Scan& scan, int most)
+{
+    std::vector<FrameId> held_out;
+    for (const FrameId id : scan.frames_held_out())
+        if (!scan.frames[id].color.name.empty()) held_out.push_back(id);
+    if (most == 0 || held_out.size() <= static_cast<std::size_t>(most)) return held_out;
+    std::vector<FrameId> chosen;
+    for (int i = 0; i < most; ++i)
+        chosen.push_back(held_out[held_out.size() * static_cast<std::size_t>(i) / static_cast<std::size_t>(most)]);
+    return chosen;
+}
+
+TargetView load_target(const Evaluated& inputs, FrameId id)
+{
+    const Scan& scan = *inputs.scan;
+    TargetView target;
+    target.color = inputs.images->color(id);
+    target.gray = to_gray(target.color);
+    target.depth = inputs.images->depth(id);
+    target.color_camera = inputs.alignment ? inputs.alignment->color : scan.color;
+    target.depth_camera = scan.depth;
+    target.depth_from_color = inputs.alignment ? inputs.alignment->depth_from_color : scan.depth_from_color;
+    return target;
+}
+
+// Pixels that show the model, not far from the measured depth where there is some.
+Mask covered_pixels(const RenderedView& view, const TargetView& target, double tolerance)
+{
+    Mask mask(view.depth.width, view.depth.height);
+    for (int y = 0; y < mask.height; ++y)
+        for (int x = 0; x < mask.width; ++x) {
+            const double z = view.depth.at(x, y);
+            if (z <= 0.0) continue;
+            mask.at(x, y) = 1;
+            if (target.depth.empty()) continue;
+            const Vector3d q = target.depth_from_color * Vector3d(target.color_camera.ray(Vector2d(x, y)) * z);
+            if (q.z() <= 0.0) continue;
+            const Vector2d u = target.depth_camera.project(q);
+            if (!target.depth_camera.contains(u)) continue;
+            const double measured =
+                target.depth.at(static_cast<int>(std::lround(u.x())), static_cast<int>(std::lround(u.y())));
+            if (measured > 0.0 && std::abs(measured - q.z()) > tolerance * std::max(1.0, q.z())) mask.at(x, y) = 0;
+        }
+    return mask;
+}
+
+double share(const Mask& mask)
+{
+    return static_cast<double>(std::count(mask.pixels.begin(), mask.pixels.end(), 1)) /
+           static_cast<double>(mask.pixels.size());
+}
+
+ColorImage blackened(ColorImage image, const Mask& mask)
+{
+    for (std::size_t i = 0; i < mask.pixels.size(); ++i)
+        if (!mask.pixels[i]) image.pixels[i] = {0, 0, 0};
+    return image;
+}
+
+ViewScore score_view(const RenderedView& view, const ColorImage& photo, const Mask& covered, const Mask& common)
+{
+    const ColorImage fitted = apply_color(fit_affine_color(view.color, photo, common), view.color);
+    const ColorImage charged =
+        blackened(apply_color(fit_affine_color(view.color, photo, covered), view.color), covered);
+    const Mask everything(photo.width, photo.height, 1);
+    ViewScore score;
+    score.coverage = share(covered);
+    score.psnr_raw = psnr(view.color, photo, common);
+    score.psnr = psnr(fitted, photo, common);
+    score.psnr_charged = psnr(charged, photo, everything);
+    score.ssim_raw = ssim(view.color, photo, common);
+    score.ssim = ssim(fitted, photo, common);
+    score.ssim_charged = ssim(charged, photo, everything);
+    score.sharpness = gradient_ratio(fitted, photo, common);
+    return score;
+}
+
+std::vector<ViewScore> score_frame(const Evaluated& inputs, const std::vector<NamedModel>& models, FrameId id,
+                                   const EvaluateParams& params)
+{
+    const TargetView target = load_target(inputs, id);
+    const Rigid start = target.depth_from_color.inverse() * inputs.scan->frames[id].camera_from_world;
+    std::vector<RenderedView> views;
+    std::vector<Mask> covered;
+    std::vector<double> shift;
+    Mask common(target.color.width, target.color.height, 1);
+    for (const NamedModel& model : models) {
+        const auto draft = [&](const Camera& camera, const Rigid& color_from_world) {
+            return model.render(camera, color_from_world, 1);
+        };
+        const Rigid pose = refine_pose(target, draft, start, params.refine_rounds);
+        shift.push_back((pose.inverse().translation() - start.inverse().translation()).norm());
+        views.push_back(model.render(target.color_camera, pose, params.supersampling));
+        covered.push_back(covered_pixels(views.back(), target, params.depth_tolerance));
+        for (std::size_t i = 0; i < common.pixels.size(); ++i)
+            common.pixels[i] = common.pixels[i] && covered.back().pixels[i];
+    }
+    std::vector<ViewScore> scores;
+    for (std::size_t m = 0; m < models.size(); ++m) {
+        scores.push_back(score_view(views[m], target.color, covered[m], common));
+        scores.back().shift = shift[m];
+    }
+    return scores;
+}
+
+// Mean over the views that have the figure.
+double mean_of(const std::vector<std::vector<ViewScore>>& scores, std::size_t model, double ViewScore::*figure)
+{
+    double sum = 0.0, count = 0.0;
+    for (const auto& view : scores)
+        if (const double value = view[model].*figure; std::isfinite(value)) sum += value, count += 1.0;
+    return count > 0.0 ? sum / count : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::vector<NamedModel> models_of(const Evaluated& inputs, const std::optional<TexturedModel>& textured)
+{
+    std::vector<NamedModel> models;
+    if (textured)
+        models.push_back({"model", [&](const Camera& camera, const Rigid& pose, int samples) {
+                              return render_textured(*textured, camera, pose, samples);
+                          }});
+    if (inputs.dense && !inputs.dense->color.empty())
+        models.push_back({"dense", [&](const Camera& camera, const Rigid& pose, int samples) {
+                              return render_colored(*inputs.dense, camera, pose, samples);
+                          }});
+    return models;
+}
+
+} // namespace
+
+void add_view_metrics(MetricList& list, const Evaluated& inputs, const EvaluateParams& params)
+{
+    if (!inputs.scan || !inputs.images) return;
+    std::optional<TexturedModel> textured;
+    if (inputs.textured) textured.emplace(*inputs.textured);
+    const std::vector<NamedModel> models = models_of(inputs, textured);
+    const std::vector<FrameId> frames = chosen_views(*inputs.scan, params.views);
+    if (models.empty() || frames.empty()) return;
+    std::vector<std::vector<ViewScore>> scores(frames.size());
+    Progress progress("rendering held-out views", frames.size());
+    parallel_for(frames.size(), [&](std::size_t i) {
+        scores[i] = score_frame(inputs, models, frames[i], params);
+        progress.step();
+    });
+    list.plain("views.count", "", static_cast<double>(frames.size()));
+    for (std::size_t m = 0; m < models.size(); ++m) {
+        const std::string name = "views." + models[m].name;
+        list.higher(name + ".coverage", "", mean_of(scores, m, &ViewScore::coverage));
+        list.higher(name + ".psnr", "dB", mean_of(scores, m, &ViewScore::psnr));
+        list.higher(name + ".psnr_raw", "dB", mean_of(scores, m, &ViewScore::psnr_raw));
+        list.higher(name + ".psnr_charged", "dB", mean_of(scores, m, &ViewScore::psnr_charged));
+        list.higher(name + ".ssim", "", mean_of(scores, m, &ViewScore::ssim));
+        list.higher(name + ".ssim_raw", "", mean_of(scores, m, &ViewScore::ssim_raw));
+        list.higher(name + ".ssim_charged", "", mean_of(scores, m, &ViewScore::ssim_charged));
+        list.plain(name + ".gradient_ratio", "", mean_of(scores, m, &ViewScore::sharpness));
+        list.plain(name + ".pose_shift", "mm", mean_of(scores, m, &ViewScore::shift) * kMillimetres);
+    }
+}
+
+} // namespace quoin

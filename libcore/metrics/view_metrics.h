@@ -1,0 +1,13 @@
+#pragma once
+
+#include "metrics/evaluate.h"
+#include "metrics/metric_list.h"
+
+namespace quoin {
+
+// Held-out photographs against views of the textured model (views.model) and of the dense mesh's vertex colours
+// (views.dense), each from its own refined pose. A pixel counts where every model given covers it: shows something, not
+// far from the measured depth; "charged" figures are over the whole image, uncovered pixels being black.
+void add_view_metrics(MetricList& list, const Evaluated& inputs, const EvaluateParams& params);
+
+} // namespace quoin
