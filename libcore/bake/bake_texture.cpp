@@ -1,7 +1,6 @@
 #include "bake/bake_texture.h"
 
 #include "bake/atlas.h"
-#include "bake/bake_input.h"
 #include "bake/blend.h"
 #include "bake/density.h"
 #include "bake/fill.h"
@@ -49,15 +48,15 @@ Atlas make_atlas(const BakeInput& input, const BakeTextureParams& params)
     return lay_out_atlas(input.planes, std::move(charts), options);
 }
 
-void fill_unseen(const PlaneMesh& planes, const Atlas& atlas, const TriangleMesh* dense,
-                 const BakeTextureParams& params, std::vector<ChartColors>& colors)
+void fill_unseen(const BakeInput& input, const Atlas& atlas, const BakeTextureParams& params,
+                 std::vector<ChartColors>& colors)
 {
-    if (dense && !dense->color.empty()) {
-        const DenseColors dense_colors(*dense, params.dense_radius);
+    if (input.dense && !input.dense->color.empty()) {
+        const DenseColors dense_colors(*input.dense, params.dense_radius);
         parallel_for(colors.size(),
-                     [&](std::size_t c) { fill_from_dense(planes, atlas.chart[c], dense_colors, colors[c]); });
+                     [&](std::size_t c) { fill_from_dense(input.planes, atlas.chart[c], dense_colors, colors[c]); });
     }
-    fill_rest(planes, atlas, colors);
+    fill_rest(input.planes, atlas, colors);
 }
 
 // One uv per vertex of a chart; the texel of the chart's corner starts right after the gutter.
@@ -89,19 +88,17 @@ void set_uv(const Atlas& atlas, TexturedMesh& textured)
 
 } // namespace
 
-TexturedMesh bake_texture(const ScanImages& images, const Keyframes& keyframes, const PlaneMesh& planes,
-                          const Alignment& alignment, const TriangleMesh* dense, const BakeTextureParams& params)
+TexturedMesh bake_texture(const BakeInput& input, const BakeTextureParams& params)
 {
-    const BakeInput input{images, keyframes, planes, alignment};
     check(input);
     const Atlas atlas = make_atlas(input, params);
     auto colors = blend_views(atlas, input, params);
-    fill_unseen(planes, atlas, dense, params, colors);
+    fill_unseen(input, atlas, params, colors);
     if (params.seam_width > 0.0)
-        level_seams(planes, atlas, {params.seam_width, params.band_width, params.seam_step}, colors);
+        level_seams(input.planes, atlas, {params.seam_width, params.band_width, params.seam_step}, colors);
 
     TexturedMesh textured;
-    textured.planes = planes;
+    textured.planes = input.planes;
     set_uv(atlas, textured);
     textured.page = encode_pages(atlas, colors, params);
     return textured;

@@ -105,10 +105,18 @@ struct BakeTextureParams {
     }
 };
 
-// Every face of the result has colour and a place of its own on a page. `dense` (optional) has vertex colours and
-// lends them to what no view sees. Throws InputError when the keyframes, the alignment and the plane mesh do not belong
-// together or an image cannot be read, ImpossibleError when the mesh has no faces.
-TexturedMesh bake_texture(const ScanImages& images, const Keyframes& keyframes, const PlaneMesh& planes,
-                          const Alignment& alignment, const TriangleMesh* dense, const BakeTextureParams& params);
+// What textures are baked from; all of it outlives the baking.
+struct BakeInput {
+    const ScanImages& images;
+    const Keyframes& keyframes;
+    const PlaneMesh& planes;
+    const Alignment& alignment;
+    const TriangleMesh* dense = nullptr; // optional; its vertex colours go to what no view sees
+};
+
+// Every face of the result has colour and a place of its own on a page. Throws InputError when the keyframes, the
+// alignment and the plane mesh do not belong together or an image cannot be read, ImpossibleError when the mesh has no
+// faces.
+TexturedMesh bake_texture(const BakeInput& input, const BakeTextureParams& params);
 
 } // namespace quoin

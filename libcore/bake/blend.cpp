@@ -1,6 +1,5 @@
 #include "bake/blend.h"
 
-#include "bake/bake_input.h"
 #include "bake/low_band.h"
 #include "bake/tiles.h"
 #include "base/parallel.h"
@@ -33,9 +32,7 @@ void for_each_batch(const BakeInput& input, const BakeTextureParams& params, con
     Progress progress(part, count);
     for (std::size_t first = 0; first < count; first += kBatch) {
         Batch batch{first, std::vector<std::optional<TextureView>>(std::min(kBatch, count - first))};
-        parallel_for(batch.view.size(), [&](std::size_t i) {
-            batch.view[i].emplace(input.images, input.keyframes, input.planes.mesh, input.alignment, first + i, params);
-        });
+        parallel_for(batch.view.size(), [&](std::size_t i) { batch.view[i].emplace(input, first + i, params); });
         use(batch);
         progress.step(batch.view.size());
     }

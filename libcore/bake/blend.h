@@ -11,7 +11,6 @@ namespace quoin {
 
 // One per chart; texels that no view sees stay TexelSource::Empty. Keyframes are read twice, a few at a time: once to
 // judge them, once for their colours.
-struct BakeInput;
 std::vector<ChartColors> blend_views(const Atlas& atlas, const BakeInput& input, const BakeTextureParams& params);
 
 } // namespace quoin

@@ -20,27 +20,33 @@ struct Footprint {
     double resolution = 0.0; // mean over that area [px/m]
 };
 
-std::vector<Footprint> footprints(const Visibility& visibility, const Camera& camera, const Rigid& camera_from_world,
-                                  const PlaneMesh& planes, const std::vector<std::uint32_t>& face_chart,
-                                  double min_facing)
+struct View {
+    Camera camera; // at kLevel
+    Rigid camera_from_world;
+};
+
+std::vector<Footprint> footprints(const View& view, const PlaneMesh& planes,
+                                  const std::vector<std::uint32_t>& face_chart, double min_facing)
 {
+    const Visibility visibility = rasterize(planes.mesh, view.camera, view.camera_from_world);
     std::vector<Footprint> seen;
     std::vector<std::uint32_t> slot(*std::ranges::max_element(face_chart) + 1, kNoFace);
-    const double full_resolution = camera.fx * (1 << kLevel);
-    for (int y = 0; y < camera.height; ++y)
-        for (int x = 0; x < camera.width; ++x) {
+    const double full_resolution = view.camera.fx * (1 << kLevel);
+    for (int y = 0; y < view.camera.height; ++y)
+        for (int x = 0; x < view.camera.width; ++x) {
             const FaceId f = visibility.face.at(x, y);
             if (f == kNoFace) continue;
             const double z = visibility.depth.at(x, y);
-            const Eigen::Vector3d ray = camera.ray({x, y});
-            const double facing = -(camera_from_world.linear() * face_normal(planes.mesh, f)).dot(ray) / ray.norm();
+            const Eigen::Vector3d ray = view.camera.ray({x, y});
+            const double facing =
+                -(view.camera_from_world.linear() * face_normal(planes.mesh, f)).dot(ray) / ray.norm();
             if (facing < min_facing) continue;
             auto& index = slot[face_chart[f]];
             if (index == kNoFace) {
                 index = static_cast<std::uint32_t>(seen.size());
                 seen.push_back({face_chart[f]});
             }
-            const double area = z * z / (camera.fx * camera.fy * facing);
+            const double area = z * z / (view.camera.fx * view.camera.fy * facing);
             seen[index].area += area;
             seen[index].resolution += area * full_resolution * std::sqrt(facing) / z;
         }
@@ -59,9 +65,7 @@ std::vector<std::vector<Footprint>> footprints_of_charts(const std::vector<Chart
     const Camera camera = alignment.color.at_level(kLevel);
     std::vector<std::vector<Footprint>> of_view(alignment.camera_from_world.size());
     parallel_for(of_view.size(), [&](std::size_t k) {
-        const Rigid camera_from_world = alignment.color_from_world(k);
-        of_view[k] = footprints(rasterize(planes.mesh, camera, camera_from_world), camera, camera_from_world, planes,
-                                face_chart, min_facing);
+        of_view[k] = footprints({camera, alignment.color_from_world(k)}, planes, face_chart, min_facing);
     });
     std::vector<std::vector<Footprint>> of_chart(charts.size());
     for (const auto& view : of_view)

@@ -72,18 +72,18 @@ Eigen::Vector2i nearest(const Eigen::Vector2d& pixel)
 
 } // namespace
 
-TextureView::TextureView(const ScanImages& images, const Keyframes& keyframes, const TriangleMesh& mesh,
-                         const Alignment& alignment, std::size_t k, const BakeTextureParams& params)
-    : params_(params), color_camera_(alignment.color), depth_camera_(images.scan().depth),
-      color_from_world_(alignment.color_from_world(k)), depth_from_world_(alignment.camera_from_world[k]),
-      color_(pyramid(images.color(keyframes.frame[k]))),
-      drawn_(rasterize(mesh, color_camera_, color_from_world_).depth), measured_(images.depth(keyframes.frame[k])),
-      drawn_edge_(distance_to_drawn_edges(drawn_, params)),
+TextureView::TextureView(const BakeInput& input, std::size_t k, const BakeTextureParams& params)
+    : params_(params), color_camera_(input.alignment.color), depth_camera_(input.images.scan().depth),
+      color_from_world_(input.alignment.color_from_world(k)), depth_from_world_(input.alignment.camera_from_world[k]),
+      color_(pyramid(input.images.color(input.keyframes.frame[k]))),
+      drawn_(rasterize(input.planes.mesh, color_camera_, color_from_world_).depth),
+      measured_(input.images.depth(input.keyframes.frame[k])), drawn_edge_(distance_to_drawn_edges(drawn_, params)),
       measured_edge_(grow_distances(depth_steps(measured_, params.depth_jump, params.depth_noise), kFarFromEdges)),
-      gain_(alignment.gain[k]), bias_(alignment.bias[k]),
+      gain_(input.alignment.gain[k]), bias_(input.alignment.bias[k]),
       least_facing_(std::cos(params.max_view_angle * std::numbers::pi / 180.0))
 {
-    const float blur = keyframes.frame[k] < keyframes.blur.size() ? keyframes.blur[keyframes.frame[k]] : 0.0f;
+    const FrameId frame = input.keyframes.frame[k];
+    const float blur = frame < input.keyframes.blur.size() ? input.keyframes.blur[frame] : 0.0f;
     sharpness_ = std::isfinite(blur) ? 1.0 - std::clamp<double>(blur, 0.0, 1.0) : 1.0;
     // The depth image's pixels in units of the colour image's.
     for (auto& distance : measured_edge_.pixels)

@@ -18,8 +18,7 @@ struct Sighting {
 class TextureView {
 public:
     // Loads colour and depth of keyframe k and draws the mesh from its pose.
-    TextureView(const ScanImages& images, const Keyframes& keyframes, const TriangleMesh& mesh,
-                const Alignment& alignment, std::size_t k, const BakeTextureParams& params);
+    TextureView(const BakeInput& input, std::size_t k, const BakeTextureParams& params);
 
     // nullopt when the point is out of sight: outside the image or the depth range, turned away, hidden by the mesh or
     // by something the mesh lacks, or too near to an edge of depth, where colours of two surfaces mix.

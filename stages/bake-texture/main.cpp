@@ -23,10 +23,12 @@ int main(int argc, char** argv)
     };
     return run_stage<BakeTextureParams>(stage, argc, argv, [](const StageRun& run, const BakeTextureParams& params) {
         const Scan scan = read_scan(run.in("scan"));
+        const ScanImages images(scan, run.scan_root());
+        const Keyframes keyframes = read_keyframes(run.in("keyframes"));
+        const PlaneMesh planes = read_plane_mesh(run.in("plane_mesh"));
+        const Alignment alignment = read_alignment(run.in("alignment"));
         const auto dense = run.has("mesh") ? std::optional(read_mesh(run.in("mesh"))) : std::nullopt;
         run.write("textured_mesh",
-                  bake_texture(ScanImages(scan, run.scan_root()), read_keyframes(run.in("keyframes")),
-                               read_plane_mesh(run.in("plane_mesh")), read_alignment(run.in("alignment")),
-                               dense ? &*dense : nullptr, params));
+                  bake_texture({images, keyframes, planes, alignment, dense ? &*dense : nullptr}, params));
     });
 }

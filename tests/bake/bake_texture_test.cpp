@@ -42,7 +42,8 @@ std::unique_ptr<PaintedScan> painted_corner(const test::Paint& paint = smooth_pa
 
 TexturedMesh bake(const PaintedScan& scan, const BakeTextureParams& params, const TriangleMesh* dense = nullptr)
 {
-    return bake_texture(scan.images(), scan.keyframes(), scan.planes(), scan.alignment(), dense, params);
+    const ScanImages images = scan.images();
+    return bake_texture({images, scan.keyframes(), scan.planes(), scan.alignment(), dense}, params);
 }
 
 struct Texel {
@@ -184,8 +185,8 @@ TEST(BakeTexture, IgnoresAViewThatDisagrees)
     both.add_view(looking_at({1.2, 1.3, 1.2}, {0.35, 0.35, 0.35}), 1.0, -60.0); // recorded 60 too bright,
     auto alignment = both.alignment();
     alignment.bias.back().setZero(); // and the alignment does not know
-    const auto textured =
-        bake_texture(both.images(), both.keyframes(), both.planes(), alignment, nullptr, exact_params());
+    const ScanImages images = both.images();
+    const auto textured = bake_texture({images, both.keyframes(), both.planes(), alignment}, exact_params());
     EXPECT_LT(difference(texels_of(textured), both, TexelSource::Photograph).mean, 1.5);
 }
 
@@ -246,7 +247,8 @@ double step_between_halves(double brighter, double seam_width)
     alignment.bias.back().setZero();
     auto params = exact_params();
     params.seam_width = seam_width;
-    const auto textured = bake_texture(scan.images(), scan.keyframes(), scan.planes(), alignment, nullptr, params);
+    const ScanImages images = scan.images();
+    const auto textured = bake_texture({images, scan.keyframes(), scan.planes(), alignment}, params);
     double left = 0.0, right = 0.0, left_count = 0.0, right_count = 0.0;
     for (const auto& texel : texels_of(textured)) {
         const double x = texel.p_world.x() - 1.0;
@@ -293,10 +295,13 @@ TEST(BakeTexture, RefusesArtifactsOfDifferentRuns)
     const auto scan = painted_corner();
     auto alignment = scan->alignment();
     alignment.camera_from_world.pop_back();
-    EXPECT_THAT(
-        test::error_of([&] { bake_texture(scan->images(), scan->keyframes(), scan->planes(), alignment, nullptr, {}); },
-                       ExitCode::Input),
-        testing::HasSubstr("one per keyframe"));
+    const ScanImages images = scan->images();
+    EXPECT_THAT(test::error_of(
+                    [&] {
+                        bake_texture({images, scan->keyframes(), scan->planes(), alignment}, {});
+                    },
+                    ExitCode::Input),
+                testing::HasSubstr("one per keyframe"));
 }
 
 } // namespace

@@ -186,6 +186,21 @@ TEST(Atlas, PutsEveryTexelWhereItsFaceIs)
     }
 }
 
+TEST(Atlas, KeepsAGutterAroundEveryChart)
+{
+    const int gutter = 6;
+    const PlaneMesh mesh = room_corner(4);
+    auto charts = make_charts(mesh, kMinFacing);
+    for (auto& chart : charts)
+        chart.density = 97.3;
+    for (const TexelChart& texels : lay_out_atlas(mesh, charts, {gutter, 1024, 1e7, 90.0}).chart)
+        for (int y = 0; y < texels.height(); ++y)
+            for (int x = 0; x < texels.width(); ++x) {
+                const int to_edge = std::min({x, y, texels.width() - 1 - x, texels.height() - 1 - y});
+                EXPECT_FALSE(texels.inside.at(x, y) && to_edge < gutter);
+            }
+}
+
 TEST(Atlas, LowersTheDensityUntilTheTexelsFit)
 {
     const PlaneMesh mesh = room_corner(4);
