@@ -140,7 +140,8 @@ private:
     Neighbours neighbours_;
     Points start_;
     std::vector<Eigen::Matrix3d> mass_; // one per face, texels
-    std::vector<double> pull_;          // one per plane, 0..1
+    std::vector<double> plane_pull_;    // 0..1
+    std::vector<double> face_pull_;     // 0..1; 0 where the plane does not explain the face
     std::vector<double> crease_weight_; // one per vertex, texels; 0 away from creases
     double smoothness_ = 0.0;           // texels; weight of a row of L
     double anchor_ = 0.0;               // texels; holds vertices that no face holds
@@ -153,7 +154,13 @@ void GeometryOptimizer::weigh_faces()
         mass_.push_back(face_mass(params_.texel_density * std::max(face_area(mesh_.mesh, f), params_.min_face_area)));
     for (std::size_t p = 0; p < mesh_.plane.size(); ++p) {
         const double ratio = params_.max_plane_rms / std::max(rms_to_fit(mesh_.moments[p]), params_.max_plane_rms);
-        pull_.push_back(ratio * ratio);
+        plane_pull_.push_back(ratio * ratio);
+    }
+    const double min_cosine = std::cos(radians(params_.max_deviation));
+    for (FaceId f = 0; f < mesh_.mesh.face.size(); ++f) {
+        const PlaneId p = mesh_.face_plane[f];
+        const bool explained = face_normal(mesh_.mesh, f).dot(mesh_.plane[p].normal) >= min_cosine;
+        face_pull_.push_back(explained ? plane_pull_[p] : 0.0);
     }
 }
 
@@ -167,21 +174,25 @@ void GeometryOptimizer::weigh_vertices()
     constexpr double kAnchor = 1e-6;
     anchor_ = kAnchor * params_.texel_density * params_.min_face_area;
     crease_weight_.assign(data.size(), 0.0);
+    std::vector<std::uint8_t> explained(data.size(), 1);
+    for (FaceId f = 0; f < mesh_.mesh.face.size(); ++f)
+        for (const VertexId v : mesh_.mesh.face[f])
+            if (face_pull_[f] <= 0.0) explained[v] = 0;
     for (VertexId v = 0; v < data.size(); ++v) {
         const PlaneMeeting meeting = crease_target(v, start_.row(v));
+        const bool near_start = (meeting.point - Eigen::Vector3d(start_.row(v))).norm() <= params_.max_move;
+        if (!near_start || explained[v] == 0) continue;
         if (planes_at_.of(v).size() > 1 && meeting.rank > 1) crease_weight_[v] = params_.lambda_l * data[v];
     }
 }
 
-// Where the planes of a vertex meet, unless that is too far or one of them does not explain its cluster.
+// Where those planes of a vertex meet that explain their clusters.
 PlaneMeeting GeometryOptimizer::crease_target(VertexId v, const Eigen::Vector3d& at) const
 {
     std::vector<Plane> planes;
     for (const PlaneId p : planes_at_.of(v))
-        if (pull_[p] >= 1.0) planes.push_back(mesh_.plane[p]);
-    const PlaneMeeting meeting = meet_planes(at, planes, radians(params_.crease_angle));
-    const Eigen::Vector3d start = start_.row(v);
-    return (meeting.point - start).norm() <= params_.max_move ? meeting : PlaneMeeting{at, 0};
+        if (plane_pull_[p] >= 1.0) planes.push_back(mesh_.plane[p]);
+    return meet_planes(at, planes, radians(params_.crease_angle));
 }
 
 std::vector<MatrixEntry> GeometryOptimizer::matrix() const
@@ -224,7 +235,7 @@ Points GeometryOptimizer::right_hand_side(const Points& x) const
         Eigen::Matrix3d target;
         for (int k = 0; k < 3; ++k) {
             const Eigen::Vector3d at = x.row(face[static_cast<std::size_t>(k)]);
-            target.row(k) = at + pull_[p] * (mesh_.plane[p].project(at) - at);
+            target.row(k) = at + face_pull_[f] * (mesh_.plane[p].project(at) - at);
         }
         const Eigen::Matrix3d pulled = mass_[f] * target;
         for (int k = 0; k < 3; ++k)

@@ -53,7 +53,9 @@ struct OptimizeGeometryParams {
                   "RMS distance of the dense cluster to its plane above which the plane pulls less, by the square",
                   1e-6, 10.0},
             Param{"max_deviation", &P::max_deviation, "deg",
-                  "angle between a face and its plane beyond which its vertices are held back", 1.0, 90.0},
+                  "angle between a face and its plane beyond which the plane does not pull at it, and that no motion "
+                  "may exceed",
+                  1.0, 90.0},
             Param{"solver_tolerance", &P::solver_tolerance, "", "pcg: relative residual to stop at", 1e-15, 1e-2},
         };
     }

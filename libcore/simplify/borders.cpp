@@ -46,7 +46,7 @@ public:
         : planes_(planes), curves_(curves), params_(params), mesh_(positions(planes.mesh), planes.mesh.face),
           version_(curves.size(), 0)
     {
-        limits_ = {std::cos(radians(params.max_deviation)), params.min_shape};
+        limits_ = {std::cos(radians(params.max_deviation)), std::cos(radians(params.max_turn)), params.min_shape};
         sum_quadrics();
     }
 

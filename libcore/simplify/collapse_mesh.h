@@ -13,6 +13,7 @@ namespace quoin {
 
 struct ShapeLimits {
     double min_cosine = 0.0;     // between a face and its plane
+    double turn_cosine = 0.0;    // between a face off its plane before and after a contraction
     double min_shape = 0.0;      // height over longest edge
     double folded_cosine = -0.5; // between faces on one edge
 };
@@ -112,13 +113,15 @@ inline TriangleShape triangle_shape(const Eigen::Vector3d& a, const Eigen::Vecto
     return {n / length, length / longest};
 }
 
-// Is the face `now` close to its plane, or does it follow the face it `was` where that one is not? Never over to the other side.
-inline bool acceptable(const TriangleShape& now, const TriangleShape& was, const Plane& plane, const ShapeLimits& limits)
+// Is the face `now` close to its plane, or does it follow the face it `was` where that one is not? Never over to the
+// other side.
+inline bool acceptable(const TriangleShape& now, const TriangleShape& was, const Plane& plane,
+                       const ShapeLimits& limits)
 {
     if (now.shape <= 0.0 || now.shape < std::min(limits.min_shape, was.shape)) return false;
     const double facing = now.normal.dot(plane.normal);
     if (facing >= limits.min_cosine) return true;
-    return now.normal.dot(was.normal) >= limits.min_cosine && facing >= std::min(0.0, was.normal.dot(plane.normal));
+    return now.normal.dot(was.normal) >= limits.turn_cosine && facing >= std::min(0.0, was.normal.dot(plane.normal));
 }
 
 template <class PlaneOf>

@@ -20,6 +20,8 @@ namespace {
 constexpr int kMaxPasses = 8;      // contractions open others; few are left after two or three passes
 constexpr int kDelaunaySweeps = 8; // flips die out geometrically
 
+double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
+
 struct InnerQuadric {
     Quadric faces;
     double area = 0.0;                               // [m^2]
@@ -50,7 +52,7 @@ public:
           version_(mesh_.vertex_count(), 0), remaining_(patch.inner_count),
           keep_(static_cast<std::size_t>(std::ceil(params.inner_ratio * patch.inner_count)))
     {
-        limits_ = {std::cos(params.max_deviation * std::numbers::pi / 180.0), params.min_shape};
+        limits_ = {std::cos(radians(params.max_deviation)), std::cos(radians(params.max_turn)), params.min_shape};
         sum_quadrics();
     }
 

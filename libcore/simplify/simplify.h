@@ -15,12 +15,13 @@ constexpr auto choice_names(SimplifyMethod) { return std::array{"qem"}; }
 struct SimplifyParams {
     SimplifyMethod method = SimplifyMethod::Qem;
     double max_error = 0.005;
-    double max_inner_error = 0.02;
+    double max_inner_error = 0.008;
     double max_border_shift = 0.02;
     int face_budget = 0;
     double snap_distance = 0.02;
     double crease_angle = 10.0;
     double max_deviation = 30.0;
+    double max_turn = 60.0;
     double min_shape = 0.02;
     double inner_ratio = 0.0;
     double border_ratio = 0.0;
@@ -56,7 +57,10 @@ struct SimplifyParams {
             Param{"crease_angle", &P::crease_angle, "deg",
                   "planes at less than this angle have no common line to move to", 0.1, 90.0},
             Param{"max_deviation", &P::max_deviation, "deg",
-                  "angle between a face and its plane that no contraction may exceed", 1.0, 180.0},
+                  "angle between a face and its plane that is always allowed", 1.0, 180.0},
+            Param{"max_turn", &P::max_turn, "deg",
+                  "angle by which one contraction may turn a face that is farther from its plane's direction", 1.0,
+                  180.0},
             Param{"min_shape", &P::min_shape, "", "height over longest edge below which no contraction makes a face",
                   0.0, 0.5},
             Param{"inner_ratio", &P::inner_ratio, "", "fraction of the vertices inside a plane that are kept at least",
