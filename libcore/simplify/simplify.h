@@ -83,8 +83,9 @@ struct SimplifyParams {
 // Keeps the moments of all planes that keep faces; planes without faces are dropped and the ids of the others move up
 // in order. Colours follow the vertices that stay, normals are dropped, classes are found anew. The result is manifold:
 // vertices on edges of three or more faces, and where fans touch in a point, are split. It has no duplicate face, and
-// no face is turned over against its plane that was not before. Faces with vertices that are not finite are dropped.
-// Throws ImpossibleError if no face is left.
+// no face is turned over against its plane that was not before. Contractions inside a plane fold no face onto a
+// neighbour in it; across a border, where planes are simplified apart, a few rough faces may come to lie folded. Faces
+// with vertices that are not finite are dropped. Throws ImpossibleError if no face is left.
 PlaneMesh simplify(const PlaneMesh& mesh, const SimplifyParams& params);
 
 } // namespace quoin
