@@ -234,7 +234,7 @@ bool BorderSimplifier::fits(std::uint32_t s, std::uint32_t t, const Eigen::Vecto
 
 bool BorderSimplifier::within_error(const Eigen::Vector3d& offset, const Curve& curve) const
 {
-    if (curve.planes[1] == kNoPlane) return offset.norm() <= params_.max_error;
+    if (curve.planes[1] == kNoPlane) return offset.norm() <= params_.max_open_error;
     for (const PlaneId p : curve.planes)
         if (std::abs(planes_.plane[p].normal.dot(offset)) > params_.max_error) return false;
     return offset.norm() <= params_.max_border_shift;

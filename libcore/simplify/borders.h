@@ -6,8 +6,8 @@
 namespace quoin {
 
 // Contracts edges along the curves of the mesh; vertex ids stay. Corners do not move. A curve stays within
-// params.max_error [m] of where it was traced (out of either plane; in any direction on a mesh border), and within
-// params.max_border_shift inside its planes.
+// params.max_error [m] of where it was traced out of either plane, and within params.max_border_shift inside them; a
+// mesh border within params.max_open_error in any direction.
 std::size_t simplify_borders(PlaneMesh& mesh, Curves& curves, const SimplifyParams& params);
 
 } // namespace quoin

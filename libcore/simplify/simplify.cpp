@@ -40,6 +40,7 @@ void meet_budget(PlaneMesh& mesh, Curves& curves, const SimplifyParams& params)
     const auto budget = static_cast<std::size_t>(params.face_budget);
     for (int i = 0; i < kDoublings && params.face_budget > 0 && mesh.mesh.face.size() > budget; ++i) {
         relaxed.max_error *= 2.0;
+        relaxed.max_open_error *= 2.0;
         relaxed.max_inner_error *= 2.0;
         relaxed.max_border_shift *= 2.0;
         contract(mesh, curves, relaxed);

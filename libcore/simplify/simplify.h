@@ -14,8 +14,9 @@ constexpr auto choice_names(SimplifyMethod) { return std::array{"qem"}; }
 
 struct SimplifyParams {
     SimplifyMethod method = SimplifyMethod::Qem;
-    double max_error = 0.005;
-    double max_inner_error = 0.008;
+    double max_error = 0.008;
+    double max_open_error = 0.02;
+    double max_inner_error = 0.01;
     double max_border_shift = 0.02;
     int face_budget = 0;
     double snap_distance = 0.02;
@@ -37,9 +38,10 @@ struct SimplifyParams {
         using P = SimplifyParams;
         return std::tuple{
             Param{"method", &P::method, "", "how faces are taken away"},
-            Param{"max_error", &P::max_error, "m",
-                  "how far a border between planes may move out of either plane, and a mesh border anywhere", 0.0,
+            Param{"max_error", &P::max_error, "m", "how far a border between planes may move out of either plane", 0.0,
                   10.0},
+            Param{"max_open_error", &P::max_open_error, "m",
+                  "how far an open border of the mesh may move; sensors leave it ragged", 0.0, 10.0},
             Param{"max_inner_error", &P::max_inner_error, "m",
                   "RMS distance to its dense faces that a vertex inside a plane may reach; keeps shapes no plane "
                   "explains; 0 = no bound",

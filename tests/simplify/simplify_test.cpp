@@ -93,11 +93,11 @@ TEST(Simplify, MovesAMeshBorderByNoMoreThanTheError)
     for (auto& p : mesh.mesh.position) // a wavy border at y = 1
         p.y() *= 1.0f + 0.03f * std::sin(12.0f * p.x());
     SimplifyParams params;
-    params.max_error = 0.002;
+    params.max_open_error = 0.002;
     const auto result = simplify(mesh, params);
     EXPECT_TRUE(is_clean(result));
     EXPECT_NEAR(inspect(result).border_length, inspect(mesh).border_length, 0.02);
-    params.max_error = 0.2;
+    params.max_open_error = 0.2;
     EXPECT_LT(simplify(mesh, params).mesh.face.size(), result.mesh.face.size());
 }
 
