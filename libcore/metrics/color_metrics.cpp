@@ -41,7 +41,7 @@ void add_true_color(MetricList& list, const std::string& name, const TriangleMes
         truth.sample.size(),
         [&](std::size_t i) {
             const TrueSample& s = truth.sample[i];
-            if (s.views == 0) return;
+            if (!params.observed(s)) return;
             const auto near = surface.find(s.position.cast<double>(), params.match_distance);
             if (!near || face_normal(mesh, near->item).dot(s.normal.cast<double>()) < least_cosine) return;
             const Vector3f color = color_of(near->item, weights_at(mesh, near->item, near->point));
@@ -52,8 +52,8 @@ void add_true_color(MetricList& list, const std::string& name, const TriangleMes
             mask.pixels[i] = 1;
         },
         kGrain);
-    const auto seen =
-        std::count_if(truth.sample.begin(), truth.sample.end(), [](const TrueSample& s) { return s.views > 0; });
+    const auto seen = std::count_if(truth.sample.begin(), truth.sample.end(),
+                                    [&](const TrueSample& s) { return params.observed(s); });
     const auto matched = std::count(mask.pixels.begin(), mask.pixels.end(), 1);
     list.higher(name + ".coverage", "", static_cast<double>(matched) / static_cast<double>(seen));
     list.higher(name + ".psnr", "dB", psnr(apply_color(fit_affine_color(found, real, mask), found), real, mask));

@@ -85,7 +85,7 @@ Reference reference_of(const Evaluated& inputs, const EvaluateParams& params)
         return {inputs.dense, positions(sample_surface(*inputs.dense, static_cast<std::size_t>(params.samples)))};
     Reference reference{&inputs.truth->mesh, {}};
     for (const TrueSample& s : inputs.truth->sample)
-        if (s.views > 0) reference.points.push_back(s.position.cast<double>());
+        if (params.observed(s)) reference.points.push_back(s.position.cast<double>());
     return reference;
 }
 

@@ -18,6 +18,7 @@ struct EvaluateParams {
     int samples = 100000;
     double reach = 0.5;
     bool align = true;
+    int observed_views = 3;
     double match_distance = 0.03;
     double match_angle = 30.0;
     double plane_area = 0.05;
@@ -30,6 +31,8 @@ struct EvaluateParams {
     double depth_tolerance = 0.05;
     int supersampling = 2;
 
+    bool observed(const TrueSample& sample) const { return sample.views >= static_cast<std::uint32_t>(observed_views); }
+
     static constexpr auto list()
     {
         using P = EvaluateParams;
@@ -37,6 +40,8 @@ struct EvaluateParams {
             Param{"samples", &P::samples, "", "surface points for distances, spread evenly over the area", 100.0, 1e8},
             Param{"reach", &P::reach, "m", "distances beyond count as this", 0.01, 100.0},
             Param{"align", &P::align, "", "move the model rigidly onto the ground truth before it is measured"},
+            Param{"observed_views", &P::observed_views, "", "true points that fewer frames saw are not asked for", 1.0,
+                  1000.0},
             Param{"match_distance", &P::match_distance, "m",
                   "a true point and a model point farther apart do not match", 0.001, 1.0},
             Param{"match_angle", &P::match_angle, "deg", "nor do they when their normals differ by more", 1.0, 90.0},

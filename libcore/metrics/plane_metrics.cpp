@@ -25,7 +25,7 @@ std::vector<PlaneId> plane_votes(const PlaneMesh& model, const GroundTruth& trut
         votes.size(),
         [&](std::size_t i) {
             const TrueSample& s = truth.sample[i];
-            if (s.views == 0 || s.plane == kNoPlane) return;
+            if (!params.observed(s) || s.plane == kNoPlane) return;
             const auto near = surface.find(s.position.cast<double>(), params.match_distance);
             if (near && face_normal(model.mesh, near->item).dot(s.normal.cast<double>()) >= least_cosine)
                 votes[i] = model.face_plane[near->item];
@@ -61,7 +61,7 @@ void add_plane_metrics(MetricList& list, const PlaneMesh& model, const GroundTru
         const TrueSample& s = truth.sample[i];
         if (s.plane >= points.size()) continue;
         ++points[s.plane].all;
-        if (s.views == 0) continue;
+        if (!params.observed(s)) continue;
         ++points[s.plane].seen;
         ++points[s.plane].votes[votes[i]];
         points[s.plane].sum += s.position.cast<double>();

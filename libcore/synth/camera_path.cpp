@@ -66,8 +66,8 @@ std::vector<Rigid> hand_held_path(const SynthParams& params)
         const double place =
             yaw +
             std::numbers::pi * (1.0 + walk * std::sin(2.0 * std::numbers::pi * 1.3 * t)); // mostly across the room
-        const double pitch = 0.50 * std::sin(2.0 * std::numbers::pi * (t - 0.02)) - 0.12 +
-                             0.10 * std::sin(2.0 * std::numbers::pi * 7.0 * t);
+        const double pitch = -0.15 + 0.55 * std::sin(2.0 * std::numbers::pi * (t - 0.02)) +
+                             0.20 * std::sin(2.0 * std::numbers::pi * 7.0 * t);
         const Vector3d position(reach_x * std::cos(place), reach_y * std::sin(place),
                                 eye + 0.12 * std::sin(2.0 * std::numbers::pi * 2.0 * t));
         Twist hand;

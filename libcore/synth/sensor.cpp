@@ -17,7 +17,6 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 constexpr double kMillimetres = 1000.0; // of the depth file [1/m]
 constexpr double kDepthJump = 0.02;     // of depth, between neighbours of two surfaces
 constexpr double kEdgeLoss = 0.75;      // chance of a pixel beside a jump to be missing
-constexpr double kGrazingFade = 10.0;   // below the grazing limit, where pixels begin to be missing [deg]
 constexpr int kMostBlurPoses = 24;
 
 // Is there a jump of depth within `radius` pixels?

@@ -9,6 +9,8 @@
 
 namespace quoin {
 
+inline constexpr double kGrazingFade = 10.0; // below the grazing limit, where pixels begin to be missing [deg]
+
 struct FrameErrors {
     Rigid true_from_recorded = Rigid::Identity(); // of the pose, in the camera's frame
     TrueExposure exposure;

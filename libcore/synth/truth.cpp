@@ -4,6 +4,7 @@
 #include "base/progress.h"
 #include "synth/creases.h"
 #include "synth/random.h"
+#include "synth/sensor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -91,7 +92,7 @@ public:
     Observers(const PaintedRoom& room, const std::vector<View>& views, const SynthParams& params)
         : room_(room), views_(views), params_(params)
     {
-        const double flattest = params.grazing_limit > 0.0 ? params.grazing_limit : 90.0;
+        const double flattest = params.grazing_limit > 0.0 ? params.grazing_limit - kGrazingFade : 90.0;
         least_cosine_ = std::cos(flattest * std::numbers::pi / 180.0);
     }
     std::uint32_t count(const Vector3d& point, const Vector3d& normal) const
