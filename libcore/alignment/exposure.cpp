@@ -3,7 +3,7 @@
 #include "alignment/photometric.h"
 #include "base/parallel.h"
 
-#include <Eigen/LU>
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -13,38 +13,87 @@ namespace {
 constexpr double kMinGain = 0.05; // a gain of zero would explain everything
 constexpr int kReweightings = 2;
 
-std::vector<float> corrected(const Observations& observations, const std::vector<float>& observed,
-                             const std::vector<Exposure>& exposure)
+// One channel of every observation, its robust weight, and the weight of all views of every texel.
+struct WeightedViews {
+    const Observations& observations;
+    const std::vector<float>& observed;
+    std::vector<float> weight;
+    std::vector<float> texel_weight;
+};
+
+WeightedViews weighted_views(const Observations& observations, const std::vector<float>& observed,
+                             const std::vector<Exposure>& exposure, double huber)
 {
-    std::vector<float> result(observed.size());
+    std::vector<float> corrected(observed.size());
     for (std::size_t o = 0; o < observed.size(); ++o) {
         const Exposure& e = exposure[observations.frame[o]];
-        result[o] = static_cast<float>(e.gain * observed[o] + e.bias);
+        corrected[o] = static_cast<float>(e.gain * observed[o] + e.bias);
     }
-    return result;
+    const auto color = texel_colors(observations, corrected, huber, kReweightings);
+    WeightedViews views{observations, observed, std::vector<float>(observed.size()),
+                        std::vector<float>(color.size(), 0.0f)};
+    for (std::size_t o = 0; o < observed.size(); ++o) {
+        const TexelId t = observations.texel[o];
+        views.weight[o] = static_cast<float>(huber_weight(corrected[o] - color[t], huber));
+        views.texel_weight[t] += views.weight[o];
+    }
+    return views;
 }
 
-// min over (g, b) of sum w (g I + b - C)^2 + prior count ((g - 1)^2 + b^2).
-Exposure fit_frame(const Observations& observations, const std::vector<float>& observed,
-                   const std::vector<float>& color, std::size_t k, const Exposure& current,
-                   const OptimizeTextureParams& params)
+// Two columns of the normal matrix of sum w (v - mean v)^2 over all texels, v = gain I + bias: those of frame k.
+void add_frame(Eigen::MatrixXd& A, const WeightedViews& views, std::size_t k)
 {
-    const std::uint32_t begin = observations.first_of_frame[k], end = observations.first_of_frame[k + 1];
-    if (begin == end) return {};
-    const double prior = params.exposure_prior * (end - begin);
-    Eigen::Matrix2d A = prior * Eigen::Matrix2d::Identity();
-    Eigen::Vector2d b(prior, 0.0);
-    for (std::uint32_t o = begin; o < end; ++o) {
-        const double I = observed[o], C = color[observations.texel[o]];
-        const double weight = huber_weight(current.gain * I + current.bias - C, params.huber_color);
-        A += weight * (Eigen::Matrix2d() << I * I, I, I, 1.0).finished();
-        b += weight * C * Eigen::Vector2d(I, 1.0);
+    const Observations& observations = views.observations;
+    auto columns = A.middleCols<2>(static_cast<Eigen::Index>(2 * k));
+    for (std::uint32_t o = observations.first_of_frame[k]; o < observations.first_of_frame[k + 1]; ++o) {
+        const TexelId t = observations.texel[o];
+        const Eigen::RowVector2d mine = views.weight[o] * Eigen::RowVector2d(views.observed[o], 1.0);
+        columns.middleRows<2>(static_cast<Eigen::Index>(2 * k)) += Eigen::Vector2d(views.observed[o], 1.0) * mine;
+        for (std::uint32_t i = observations.first_of_texel[t]; i < observations.first_of_texel[t + 1]; ++i) {
+            const std::uint32_t other = observations.of_texel[i];
+            const double part = views.weight[other] / views.texel_weight[t];
+            columns.middleRows<2>(2 * static_cast<Eigen::Index>(observations.frame[other])) -=
+                part * Eigen::Vector2d(views.observed[other], 1.0) * mine;
+        }
     }
-    const Eigen::Vector2d x = A.inverse() * b;
-    return x.allFinite() ? Exposure{std::max(x[0], kMinGain), x[1]} : current;
 }
 
-// Only relative exposures can be seen: the overall one is fixed by the mean log gain and the mean bias.
+// Only relative exposures can be seen, and a darker picture has smaller differences: the means are held by equations
+// that outweigh all others. The prior is per observation, so that it means the same in every frame.
+Eigen::VectorXd add_prior_and_means(Eigen::MatrixXd& A, const WeightedViews& views, double prior)
+{
+    const auto frames = A.cols() / 2;
+    const double hold = A.trace() / static_cast<double>(std::max<Eigen::Index>(1, frames));
+    Eigen::VectorXd b = Eigen::VectorXd::Zero(A.cols());
+    for (Eigen::Index k = 0; k < frames; ++k) {
+        const auto i = static_cast<std::size_t>(k);
+        const double count = views.observations.first_of_frame[i + 1] - views.observations.first_of_frame[i];
+        const double own = prior * std::max(1.0, count) + 1e-9; // frames that see nothing still have an equation
+        A(2 * k, 2 * k) += own;
+        A(2 * k + 1, 2 * k + 1) += own;
+        b[2 * k] += own + hold;
+        for (Eigen::Index l = 0; l < frames; ++l)
+            for (const Eigen::Index row : {0, 1})
+                A(2 * k + row, 2 * l + row) += hold / static_cast<double>(frames);
+    }
+    return b;
+}
+
+std::vector<Exposure> solve(const WeightedViews& views, double prior)
+{
+    const std::size_t frames = views.observations.first_of_frame.size() - 1;
+    Eigen::MatrixXd A =
+        Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(2 * frames), static_cast<Eigen::Index>(2 * frames));
+    parallel_for(frames, [&](std::size_t k) { add_frame(A, views, k); });
+    const Eigen::VectorXd b = add_prior_and_means(A, views, prior);
+    const Eigen::VectorXd x = A.ldlt().solve(b);
+    std::vector<Exposure> exposure(frames);
+    for (std::size_t k = 0; k < frames && x.allFinite(); ++k)
+        exposure[k] = {std::max(x[static_cast<Eigen::Index>(2 * k)], kMinGain),
+                       x[static_cast<Eigen::Index>(2 * k + 1)]};
+    return exposure;
+}
+
 void normalize(std::vector<Exposure>& exposure)
 {
     double log_gain = 0.0, bias = 0.0;
@@ -65,12 +114,9 @@ std::vector<Exposure> estimate_exposures(const Observations& observations, const
                                          const OptimizeTextureParams& params)
 {
     std::vector<Exposure> exposure(observations.first_of_frame.size() - 1);
+    if (observations.size() == 0) return exposure;
     for (int round = 0; round < params.exposure_rounds; ++round) {
-        const auto color =
-            texel_colors(observations, corrected(observations, observed, exposure), params.huber_color, kReweightings);
-        parallel_for(exposure.size(), [&](std::size_t k) {
-            exposure[k] = fit_frame(observations, observed, color, k, exposure[k], params);
-        });
+        exposure = solve(weighted_views(observations, observed, exposure, params.huber_color), params.exposure_prior);
         normalize(exposure);
     }
     return exposure;

@@ -63,7 +63,7 @@ struct OptimizeTextureParams {
 
     double sigma_color = 0.02;
     double huber_color = 0.08;
-    double sigma_plane = 0.01;
+    double sigma_plane = 0.03;
     double sigma_line = 1.0;
     double huber_line = 2.0;
     double depth_noise = 0.0012;
@@ -71,8 +71,8 @@ struct OptimizeTextureParams {
     double huber_depth = 2.0;
     double prior_translation = 0.02;
     double prior_rotation = 1.0;
-    double exposure_prior = 0.001;
-    int exposure_rounds = 10;
+    double exposure_prior = 0.0003;
+    int exposure_rounds = 3;
     double prior_focal = 0.03;
     double prior_center = 10.0;
     double prior_camera_translation = 0.03;
@@ -139,7 +139,8 @@ struct OptimizeTextureParams {
             Param{"sigma_color", &P::sigma_color, "", "noise of a grey value, 0..1", 1e-6, 1.0},
             Param{"huber_color", &P::huber_color, "", "grey difference from which the cost is linear; 1 = never", 1e-6,
                   1.0},
-            Param{"sigma_plane", &P::sigma_plane, "m", "noise of a point of the dense mesh", 1e-6, 1.0},
+            Param{"sigma_plane", &P::sigma_plane, "m", "error of the dense mesh, which its cameras' errors have bent",
+                  1e-6, 1.0},
             Param{"sigma_line", &P::sigma_line, "px", "noise of a segment's end point", 1e-3, 100.0},
             Param{"huber_line", &P::huber_line, "", "line residual, in sigmas, from which the cost is linear", 1e-3,
                   1e9},
@@ -152,7 +153,7 @@ struct OptimizeTextureParams {
             Param{"prior_rotation", &P::prior_rotation, "deg", "expected error of the input rotations", 1e-6, 1e6},
             Param{"exposure_prior", &P::exposure_prior, "",
                   "pull of the gains to 1 and the biases to 0, per observation", 0.0, 1e6},
-            Param{"exposure_rounds", &P::exposure_rounds, "", "rounds of exposures and colours", 1, 1000},
+            Param{"exposure_rounds", &P::exposure_rounds, "", "reweighted solutions for the exposures", 1, 1000},
             Param{"prior_focal", &P::prior_focal, "", "expected relative error of the focal length", 1e-9, 1.0},
             Param{"prior_center", &P::prior_center, "px", "expected error of the principal point", 1e-9, 1e4},
             Param{"prior_camera_translation", &P::prior_camera_translation, "m", "expected error between the cameras",
