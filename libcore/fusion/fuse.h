@@ -21,7 +21,7 @@ struct FuseParams {
     double voxel_size = 0.01;
     double truncation = 0.04;
     double min_depth = 0.2;
-    double max_depth = 5.0;
+    double max_depth = 6.0;
     double depth_edge = 0.03;
     double min_incidence = 0.15;
     double min_weight = 0.5;
