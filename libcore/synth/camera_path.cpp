@@ -12,7 +12,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kTurns = 3.0;        // of the look direction
+constexpr double kTurns = 4.0;        // of the look direction
+constexpr double kNods = 10.0;        // a turn after the next meets every direction in the opposite half of a nod
 constexpr double kEyeHeight = 1.5;    // [m]
 constexpr double kFromWall = 1.25;    // least distance of the walk to a wall [m]
 constexpr double kTrembleAngle = 1.0; // a hand's angle for its way [rad/m]
@@ -55,7 +56,7 @@ std::vector<Rigid> hand_held_path(const SynthParams& params)
 {
     const auto seed = static_cast<std::uint64_t>(params.seed);
     CounterRandom random(seed, RandomPurpose::Path);
-    const double start = random.uniform(0.0, 2.0 * std::numbers::pi), walk = random.uniform(0.5, 0.9);
+    const double start = random.uniform(0.0, 2.0 * std::numbers::pi), walk = random.uniform(0.3, 0.6);
     const double reach_x = std::max(0.1, 0.5 * params.room_width - kFromWall),
                  reach_y = std::max(0.1, 0.5 * params.room_length - kFromWall);
     const double eye = std::min(kEyeHeight, params.room_height - 0.5);
@@ -66,8 +67,8 @@ std::vector<Rigid> hand_held_path(const SynthParams& params)
         const double place =
             yaw +
             std::numbers::pi * (1.0 + walk * std::sin(2.0 * std::numbers::pi * 1.3 * t)); // mostly across the room
-        const double pitch = -0.15 + 0.55 * std::sin(2.0 * std::numbers::pi * (t - 0.02)) +
-                             0.20 * std::sin(2.0 * std::numbers::pi * 7.0 * t);
+        const double pitch = -0.12 + 0.45 * std::sin(2.0 * std::numbers::pi * (t - 0.02)) +
+                             0.40 * std::sin(2.0 * std::numbers::pi * kNods * t);
         const Vector3d position(reach_x * std::cos(place), reach_y * std::sin(place),
                                 eye + 0.12 * std::sin(2.0 * std::numbers::pi * 2.0 * t));
         Twist hand;

@@ -11,7 +11,7 @@ namespace quoin {
 // Both cameras of the sensor: the image centre is the optical axis.
 Camera sensor_camera(const SynthParams& params);
 
-// True poses of the depth camera, world_from_camera: who holds it walks around the middle of the room and turns three
+// True poses of the depth camera, world_from_camera: who holds it walks around the middle of the room and turns four
 // times, looking up at first and down later, so that walls, ceiling, floor and furniture come into view. Smooth, with
 // the hand's tremble.
 std::vector<Rigid> hand_held_path(const SynthParams& params);

@@ -111,7 +111,7 @@ Vector3f bilinear(const ColorImage& image, double x, double y)
 
 Vector3f SurfaceTexture::sample(const Vector2d& uv, double texels) const
 {
-    const double lod = std::clamp(std::log2(std::max(texels, 1.0)), 0.0, kLevels - 1.0);
+    const double lod = texels > 1.0 ? std::min(std::log2(texels), kLevels - 1.0) : 0.0;
     const auto level = static_cast<std::size_t>(lod);
     const Vector2d at = (uv - corner) / texel;
     const auto from_level = [&](std::size_t l) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace quoin {
 namespace {
@@ -69,16 +70,30 @@ private:
     Vector2d constant_;
 };
 
+// The last facet's projection: neighbouring pixels mostly show the same one.
+class FacetViews {
+public:
+    FacetViews(const PaintedRoom& room, const View& view) : room_(room), view_(view) {}
+    const FacetView& of(std::uint32_t facet)
+    {
+        if (!seen_ || facet != facet_) seen_.emplace(room_.facets[facet], view_);
+        facet_ = facet;
+        return *seen_;
+    }
+
+private:
+    const PaintedRoom& room_;
+    const View& view_;
+    std::uint32_t facet_ = kNoFacet;
+    std::optional<FacetView> seen_;
+};
+
 // Mean of the texture over the footprint of a pixel: a grid of samples no wider apart than the texture's detail.
-Vector3f sample_footprint(const PaintedRoom& room, std::uint32_t facet, const View& view, const Vector2d& pixel)
+Vector3f sample_footprint(const SurfaceTexture& texture, const FacetView& seen, const Camera& camera,
+                          const Vector2d& pixel)
 {
-    const FacetView seen(room.facets[facet], view);
-    const SurfaceTexture& texture = room.texture[room.facets[facet].surface];
-    const Vector2d center = seen.uv(view.camera.ray(pixel));
-    const Vector2d along_x =
-        seen.uv(view.camera.ray(pixel + Vector2d(0.5, 0))) - seen.uv(view.camera.ray(pixel - Vector2d(0.5, 0)));
-    const Vector2d along_y =
-        seen.uv(view.camera.ray(pixel + Vector2d(0, 0.5))) - seen.uv(view.camera.ray(pixel - Vector2d(0, 0.5)));
+    const auto uv = [&](double dx, double dy) { return seen.uv(camera.ray(pixel + Vector2d(dx, dy))); };
+    const Vector2d center = uv(0, 0), along_x = uv(0.5, 0) - uv(-0.5, 0), along_y = uv(0, 0.5) - uv(0, -0.5);
     const double length_x = along_x.norm() / texture.texel, length_y = along_y.norm() / texture.texel;
     const double cell =
         std::max({1.0, 0.5 * std::min(length_x, length_y), std::max(length_x, length_y) / kMostSamples});
@@ -135,11 +150,17 @@ ColorField render_color(const PaintedRoom& room, const View& view)
 {
     const Image<RayHit> hits = cast_view(room, view, Vector2d::Zero());
     ColorField color(view.camera.width, view.camera.height, Vector3f::Zero());
+    FacetViews facets(room, view);
     for (int y = 0; y < color.height; ++y)
         for (int x = 0; x < color.width; ++x) {
             const Vector2d pixel(x, y);
-            color.at(x, y) = on_edge(room, hits, x, y) ? sample_edge(room, view, pixel)
-                                                       : sample_footprint(room, hits.at(x, y).facet, view, pixel);
+            if (on_edge(room, hits, x, y)) {
+                color.at(x, y) = sample_edge(room, view, pixel);
+                continue;
+            }
+            const std::uint32_t facet = hits.at(x, y).facet;
+            const SurfaceTexture& texture = room.texture[room.facets[facet].surface];
+            color.at(x, y) = sample_footprint(texture, facets.of(facet), view.camera, pixel);
         }
     return color;
 }
@@ -150,12 +171,13 @@ ColorField render_moving(const PaintedRoom& room, std::span<const View> views)
     for (std::size_t i = 0; i < views.size(); ++i) {
         const Vector2d shift = pixel_shift(i);
         const Image<RayHit> hits = cast_view(room, views[i], shift);
+        FacetViews facets(room, views[i]);
         for (int y = 0; y < mean.height; ++y)
             for (int x = 0; x < mean.width; ++x) {
                 const RayHit& hit = hits.at(x, y);
                 if (hit.facet == kNoFacet) continue;
                 const Facet& facet = room.facets[hit.facet];
-                const Vector2d uv = FacetView(facet, views[i]).uv(views[i].camera.ray(Vector2d(x, y) + shift));
+                const Vector2d uv = facets.of(hit.facet).uv(views[i].camera.ray(Vector2d(x, y) + shift));
                 const double texels = hit.distance / views[i].camera.fx / room.texture[facet.surface].texel;
                 mean.at(x, y) += room.texture[facet.surface].sample(uv, texels) / static_cast<float>(views.size());
             }
