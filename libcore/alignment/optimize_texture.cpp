@@ -1,6 +1,7 @@
 #include "alignment/optimize_texture.h"
 
 #include "alignment/channel_exposure.h"
+#include "alignment/gauge.h"
 #include "alignment/problem.h"
 #include "alignment/solver.h"
 #include "base/error.h"
@@ -119,6 +120,19 @@ AlignmentState without_strays(const AlignmentProblem& reference, const Alignment
     return state;
 }
 
+// Photographs and depths do not tell where the whole lies: it goes back onto the dense mesh. Frames that see nothing
+// stay.
+AlignmentState in_frame_of_mesh(const AlignmentProblem& reference, const AlignmentState& input, AlignmentState state)
+{
+    const OptimizeTextureParams& params = reference.scene.params;
+    const bool any_moves = std::ranges::count(reference.frame_is_free, 0) < std::ssize(reference.frame_is_free);
+    if (!params.keep_frame || !params.optimize_poses || !params.optimize_planes || !any_moves) return state;
+    state = returned_to_mesh(std::move(state), reference.scatter);
+    for (std::size_t k = 0; k < state.camera_from_world.size(); ++k)
+        if (!reference.frame_is_free[k]) state.camera_from_world[k] = input.camera_from_world[k];
+    return state;
+}
+
 void warn_of_blind_frames(const AlignmentProblem& reference)
 {
     const auto blind = std::ranges::count(reference.frame_is_free, 0);
@@ -173,7 +187,8 @@ Alignment optimize_texture(const AlignmentInput& input, const OptimizeTexturePar
 
     std::vector<std::vector<double>> rows{mean_energies(reference, start)};
     const auto record = [&](const AlignmentState& state) { rows.push_back(mean_energies(reference, state)); };
-    AlignmentState state = without_strays(reference, start, minimize(source, start, record));
+    AlignmentState state = in_frame_of_mesh(reference, start, minimize(source, start, record));
+    state = without_strays(reference, start, std::move(state));
     record(state);
     if (!(rows.back()[0] <= rows.front()[0])) {
         log_warning("optimize-texture: the alignment did not lower the energy; poses and planes stay as they were");

@@ -35,11 +35,12 @@ struct OptimizeTextureParams {
     PlaneTermKind plane_term = PlaneTermKind::Moments;
     double lambda_t = 1.0;
     LineTermKind line_term = LineTermKind::Reprojection;
-    double lambda_d = 1.0;
+    double lambda_d = 5.0;
     bool optimize_poses = true;
     bool optimize_planes = true;
     bool optimize_exposure = true;
-    CalibrationUse calibration = CalibrationUse::Fixed;
+    CalibrationUse calibration = CalibrationUse::Refine;
+    bool keep_frame = true;
 
     int levels = 3;
     double texel_size = 0.0033;
@@ -62,13 +63,13 @@ struct OptimizeTextureParams {
     int plane_loops = 2;
 
     double sigma_color = 0.02;
-    double huber_color = 0.08;
+    double huber_color = 0.03;
     double sigma_plane = 0.03;
     double sigma_line = 1.0;
     double huber_line = 2.0;
     double depth_noise = 0.0012;
     double depth_noise_floor = 0.002;
-    double huber_depth = 2.0;
+    double huber_depth = 0.7;
     double prior_translation = 0.02;
     double prior_rotation = 1.0;
     double exposure_prior = 0.0003;
@@ -112,6 +113,8 @@ struct OptimizeTextureParams {
             Param{"optimize_planes", &P::optimize_planes, "", "move the planes"},
             Param{"optimize_exposure", &P::optimize_exposure, "", "estimate a gain and a bias per frame and channel"},
             Param{"calibration", &P::calibration, "", "keep the colour camera or refine it for all frames"},
+            Param{"keep_frame", &P::keep_frame, "",
+                  "move the whole solution rigidly back to where its planes lie closest to the dense mesh"},
             Param{"levels", &P::levels, "", "levels of the image pyramid of the joint solver", 1, 6},
             Param{"texel_size", &P::texel_size, "m", "size of a texel", 1e-4, 1.0},
             Param{"texel_stride", &P::texel_stride, "", "use every n-th texel along both axes; doubles with each level",
