@@ -6,8 +6,8 @@
 namespace quoin {
 
 // Exposures under which all frames see the same texel colours: one robust linear system of all frames with the colours
-// eliminated and a prior to gain 1 and bias 0. Their mean log gain and their mean bias are those of no change at all, 0. `observed` is
-// one channel, 0..1, of every observation. Frames without observations keep gain 1 and bias 0.
+// eliminated and a prior to gain 1 and bias 0. Their mean log gain and their mean bias are those of no change at all,
+// 0. `observed` is one channel, 0..1, of every observation. Frames without observations keep gain 1 and bias 0.
 std::vector<Exposure> estimate_exposures(const Observations& observations, const std::vector<float>& observed,
                                          const OptimizeTextureParams& params);
 

@@ -23,6 +23,7 @@ OptimizeTextureParams small_room_params()
     params.visibility_rounds = 1;
     params.jump_radius = 1;
     params.prior_translation = 0.05;
+    params.calibration = CalibrationUse::Fixed;
     return params;
 }
 
