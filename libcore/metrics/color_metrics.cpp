@@ -29,9 +29,16 @@ Vector3d weights_at(const TriangleMesh& mesh, FaceId face, const Vector3d& point
 // Colour of a model's point, 0..255.
 using ColorOf = std::function<Vector3f(FaceId, const Vector3d& weights)>;
 
-void add_true_color(MetricList& list, const std::string& name, const TriangleMesh& mesh, const ColorOf& color_of,
-                    const GroundTruth& truth, const EvaluateParams& params)
+struct ColoredSurface {
+    std::string name; // prefix of its figures
+    const TriangleMesh& mesh;
+    ColorOf color_of;
+};
+
+void add_true_color(MetricList& list, const ColoredSurface& colored, const GroundTruth& truth,
+                    const EvaluateParams& params)
 {
+    const TriangleMesh& mesh = colored.mesh;
     const NearestItem surface(mesh);
     const double least_cosine = std::cos(params.match_angle / kDegrees);
     const int count = static_cast<int>(truth.sample.size());
@@ -44,7 +51,7 @@ void add_true_color(MetricList& list, const std::string& name, const TriangleMes
             if (!params.observed(s)) return;
             const auto near = surface.find(s.position.cast<double>(), params.match_distance);
             if (!near || face_normal(mesh, near->item).dot(s.normal.cast<double>()) < least_cosine) return;
-            const Vector3f color = color_of(near->item, weights_at(mesh, near->item, near->point));
+            const Vector3f color = colored.color_of(near->item, weights_at(mesh, near->item, near->point));
             for (int c = 0; c < 3; ++c)
                 found.pixels[i][static_cast<std::size_t>(c)] =
                     static_cast<std::uint8_t>(std::clamp(color[c] + 0.5f, 0.0f, 255.0f));
@@ -55,8 +62,9 @@ void add_true_color(MetricList& list, const std::string& name, const TriangleMes
     const auto seen = std::count_if(truth.sample.begin(), truth.sample.end(),
                                     [&](const TrueSample& s) { return params.observed(s); });
     const auto matched = std::count(mask.pixels.begin(), mask.pixels.end(), 1);
-    list.higher(name + ".coverage", "", static_cast<double>(matched) / static_cast<double>(seen));
-    list.higher(name + ".psnr", "dB", psnr(apply_color(fit_affine_color(found, real, mask), found), real, mask));
+    list.higher(colored.name + ".coverage", "", static_cast<double>(matched) / static_cast<double>(seen));
+    list.higher(colored.name + ".psnr", "dB",
+                psnr(apply_color(fit_affine_color(found, real, mask), found), real, mask));
 }
 
 } // namespace
@@ -69,7 +77,7 @@ void add_true_color_metrics(MetricList& list, const TexturedMesh* textured, cons
         const auto color_of = [&](FaceId f, const Vector3d& weights) {
             return model.sample(f, model.texel(f, weights), 1.0);
         };
-        add_true_color(list, "texture.truth", textured->planes.mesh, color_of, truth, params);
+        add_true_color(list, {"texture.truth", textured->planes.mesh, color_of}, truth, params);
     }
     if (dense && !dense->color.empty()) {
         const auto color_of = [&](FaceId f, const Vector3d& weights) {
@@ -80,7 +88,7 @@ void add_true_color_metrics(MetricList& list, const TexturedMesh* textured, cons
             }
             return sum;
         };
-        add_true_color(list, "dense.truth", *dense, color_of, truth, params);
+        add_true_color(list, {"dense.truth", *dense, color_of}, truth, params);
     }
 }
 

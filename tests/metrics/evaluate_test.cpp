@@ -190,6 +190,25 @@ TEST(Evaluate, RefusesInputsThatDoNotBelongTogether)
                 testing::HasSubstr("nothing to evaluate"));
 }
 
+TEST(Evaluate, GivesTheSameFiguresForAnyNumberOfThreads)
+{
+    PlaneMesh model = corner_model(6);
+    test::add_noise(model.mesh, 0.004, 5);
+    const GroundTruth truth = corner_truth();
+    Evaluated inputs;
+    inputs.planes = &model, inputs.dense = &model.mesh, inputs.truth = &truth;
+    std::vector<std::string> tables;
+    for (const int threads : {1, 2, 4}) {
+        set_thread_count(threads);
+        tables.emplace_back();
+        for (const Metric& m : evaluate(inputs, quick()))
+            tables.back() += m.name + " " + format_param(m.value) + "\n";
+    }
+    set_thread_count(0);
+    EXPECT_EQ(tables[0], tables[1]);
+    EXPECT_EQ(tables[0], tables[2]);
+}
+
 TEST(MetricsTable, AlignsNamesAndSaysWhichWayIsBetter)
 {
     EXPECT_EQ(metrics_table({{"a.b", "mm", 1.5, Better::Lower}, {"c.longer", "", 3, Better::Higher}}),
