@@ -85,7 +85,10 @@ ParamValue parse_param(const ParamSpec& spec, std::string_view text, std::string
     }
     case ParamType::Choice: {
         if (std::ranges::find(spec.choices, text) != spec.choices.end()) return std::string(text);
-        refuse(spec, text, where, fmt::format("one of {}", fmt::join(spec.choices, ", ")));
+        const std::string near = nearest_name(text, spec.choices);
+        refuse(spec, text, where,
+               fmt::format("one of {}{}", fmt::join(spec.choices, ", "),
+                           near.empty() ? "" : "; did you mean '" + near + "'?"));
     }
     case ParamType::String: return std::string(text);
     }

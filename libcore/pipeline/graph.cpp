@@ -1,9 +1,14 @@
 #include "pipeline/graph.h"
 
 #include "base/error.h"
+#include "pipeline/running_order.h"
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <functional>
+#include <map>
+#include <set>
+#include <utility>
 
 namespace quoin {
 namespace {
@@ -14,34 +19,48 @@ struct Resolved {
     const Program* program;
 };
 
-std::vector<Resolved> find_programs(const Pipeline& pipeline, Catalogue& catalogue, Problems& problems)
+// The stages of a pipeline, also by name.
+struct Stages {
+    std::vector<Resolved> list; // in the order of the file
+    std::map<std::string, std::size_t, std::less<>> by_name;
+
+    const Resolved* find(const std::string& name) const
+    {
+        const auto it = by_name.find(name);
+        return it == by_name.end() ? nullptr : &list[it->second];
+    }
+    std::vector<std::string> names() const
+    {
+        std::vector<std::string> names;
+        for (const auto& resolved : list)
+            names.push_back(resolved.stage->name);
+        return names;
+    }
+};
+
+Stages find_programs(const Pipeline& pipeline, Catalogue& catalogue, Problems& problems)
 {
     std::vector<std::filesystem::path> paths;
     for (const auto& stage : pipeline.stages)
         paths.push_back(catalogue.locate(stage.use, stage.use_folder));
     catalogue.prepare(paths);
-    std::vector<Resolved> resolved;
+    Stages stages;
     for (std::size_t i = 0; i < paths.size(); ++i) {
         const PipelineStage& stage = pipeline.stages[i];
-        resolved.push_back({&stage, nullptr});
+        stages.by_name.emplace(stage.name, i);
+        stages.list.push_back({&stage, nullptr});
         if (stage.use.empty()) continue; // was refused on reading
         try {
             if (!names_a_path(stage.use) && !std::filesystem::exists(paths[i]))
                 problems.add(stage.use_position,
                              fmt::format("there is no stage '{}'{}", stage.use, hint(stage.use, catalogue.names())));
             else
-                resolved[i].program = &catalogue.describe(paths[i]);
+                stages.list[i].program = &catalogue.describe(paths[i]);
         } catch (const UsageError& error) {
             problems.add(stage.use_position, error.what());
         }
     }
-    return resolved;
-}
-
-const Resolved* find_stage(const std::vector<Resolved>& stages, const std::string& name)
-{
-    const auto it = std::ranges::find_if(stages, [&](const Resolved& r) { return r.stage->name == name; });
-    return it == stages.end() ? nullptr : &*it;
+    return stages;
 }
 
 // A reader at version N also reads N-1, through a migration.
@@ -59,7 +78,7 @@ void check_schema(const PortDescription& output, const PortDescription& input, c
                                             schema_text(output), input.name, schema_text(input)));
 }
 
-void check_wire(const std::vector<Resolved>& stages, const PortDescription& input, const Wire& wire, Problems& problems)
+void check_wire(const Stages& stages, const PortDescription& input, const Wire& wire, Problems& problems)
 {
     if (wire.stage.empty()) {
         if (input.schema != "folder")
@@ -67,13 +86,10 @@ void check_wire(const std::vector<Resolved>& stages, const PortDescription& inpu
                          fmt::format("$scan is a folder, but input '{}' takes a {}", input.name, schema_text(input)));
         return;
     }
-    const Resolved* source = find_stage(stages, wire.stage);
+    const Resolved* source = stages.find(wire.stage);
     if (!source) {
-        std::vector<std::string> names;
-        for (const auto& r : stages)
-            names.push_back(r.stage->name);
         problems.add(wire.position,
-                     fmt::format("the pipeline has no stage '{}'{}", wire.stage, hint(wire.stage, names)));
+                     fmt::format("the pipeline has no stage '{}'{}", wire.stage, hint(wire.stage, stages.names())));
     } else if (source->program) {
         const auto& outputs = source->program->description.outputs;
         if (const PortDescription* output = find_port(outputs, wire.port))
@@ -84,7 +100,7 @@ void check_wire(const std::vector<Resolved>& stages, const PortDescription& inpu
     }
 }
 
-void check_inputs(const std::vector<Resolved>& stages, const Resolved& resolved, Problems& problems)
+void check_inputs(const Stages& stages, const Resolved& resolved, Problems& problems)
 {
     const PipelineStage& stage = *resolved.stage;
     const auto& ports = resolved.program->description.inputs;
@@ -92,8 +108,8 @@ void check_inputs(const std::vector<Resolved>& stages, const Resolved& resolved,
         if (const PortDescription* port = find_port(ports, name))
             check_wire(stages, *port, wire, problems);
         else
-            problems.add(wire.position, fmt::format("stage '{}' has no input '{}'{}", stage.name, name,
-                                                    hint(name, port_names(ports))));
+            problems.add(wire.name_position, fmt::format("stage '{}' has no input '{}'{}", stage.name, name,
+                                                         hint(name, port_names(ports))));
     }
     for (const auto& port : ports)
         if (!port.optional && !stage.inputs.contains(port.name))
@@ -111,8 +127,8 @@ std::vector<GraphParam> check_params(const Resolved& resolved, Problems& problem
         const auto& specs = resolved.program->description.params;
         const auto spec = std::ranges::find(specs, name, &ParamSpec::name);
         if (spec == specs.end()) {
-            problems.add(setting.position, fmt::format("stage '{}' has no parameter '{}'{}", resolved.stage->name, name,
-                                                       hint(name, names)));
+            problems.add(setting.name_position, fmt::format("stage '{}' has no parameter '{}'{}", resolved.stage->name,
+                                                            name, hint(name, names)));
             continue;
         }
         const std::string who = fmt::format("stage '{}'", resolved.stage->name);
@@ -125,84 +141,102 @@ std::vector<GraphParam> check_params(const Resolved& resolved, Problems& problem
     return params;
 }
 
-bool is_placed(const std::vector<const Resolved*>& order, const std::string& name)
+// For each stage, the stages whose outputs it reads.
+Waits wires_of(const Stages& stages)
 {
-    return std::ranges::any_of(order, [&](const Resolved* r) { return r->stage->name == name; });
-}
-
-// Kahn's algorithm; of the stages that could come next, the first of the file. Stages on a circle or behind one are
-// left out.
-std::vector<const Resolved*> in_running_order(const std::vector<Resolved>& stages)
-{
-    std::vector<const Resolved*> order;
-    const auto is_waited_for = [&](const std::string& name) {
-        return find_stage(stages, name) && !is_placed(order, name);
-    };
-    const auto can_run = [&](const Resolved& r) {
-        return !is_placed(order, r.stage->name) && std::ranges::none_of(r.stage->inputs, [&](const auto& input) {
-            return is_waited_for(input.second.stage);
-        });
-    };
-    for (auto next = std::ranges::find_if(stages, can_run); next != stages.end();
-         next = std::ranges::find_if(stages, can_run))
-        order.push_back(&*next);
-    return order;
-}
-
-// Follows wires backwards among the stages that could not be placed until one comes a second time.
-std::vector<std::string> find_circle(const std::vector<Resolved>& stages, const std::vector<const Resolved*>& order)
-{
-    const auto start =
-        std::ranges::find_if(stages, [&](const Resolved& r) { return !is_placed(order, r.stage->name); });
-    std::vector<std::string> path;
-    std::string at = start->stage->name;
-    while (std::ranges::find(path, at) == path.end()) {
-        path.push_back(at);
-        for (const auto& [port, wire] : find_stage(stages, path.back())->stage->inputs)
-            if (find_stage(stages, wire.stage) && !is_placed(order, wire.stage)) at = wire.stage;
+    Waits waits;
+    for (const auto& resolved : stages.list) {
+        std::set<std::size_t> sources;
+        for (const auto& [port, wire] : resolved.stage->inputs)
+            if (const auto source = stages.by_name.find(wire.stage); source != stages.by_name.end())
+                sources.insert(source->second);
+        waits.emplace_back(sources.begin(), sources.end());
     }
-    path.erase(path.begin(), std::ranges::find(path, at));
-    path.push_back(at);
-    std::ranges::reverse(path);
-    return path;
+    return waits;
 }
 
-void check_circles(const std::vector<Resolved>& stages, Problems& problems)
+void check_circles(const Stages& stages, const Waits& waits, const std::vector<std::size_t>& order, Problems& problems)
 {
-    const auto order = in_running_order(stages);
-    if (order.size() == stages.size()) return;
-    const auto circle = find_circle(stages, order);
-    problems.add(find_stage(stages, circle.front())->stage->position,
-                 fmt::format("stages wait for each other: {}", fmt::join(circle, " -> ")));
+    if (order.size() == waits.size()) return;
+    for (const auto& circle : find_circles(waits, order)) {
+        std::vector<std::string> names;
+        for (const std::size_t stage : circle)
+            names.push_back(stages.list[stage].stage->name);
+        problems.add(stages.list[circle.front()].stage->position,
+                     fmt::format("stages wait for each other: {}", fmt::join(names, " -> ")));
+    }
 }
 
-GraphNode make_node(const Resolved& resolved, std::vector<GraphParam> params, const Graph& graph)
+// What a person wants from a pipeline: its last stages need no reader.
+bool is_result(const PortDescription& port) { return is_directory_schema(port.schema) || port.schema == "metrics"; }
+
+// An output that nobody reads is work for nothing, where the pipeline has results that it is not one of.
+void check_unused_outputs(const Stages& stages, Problems& problems)
+{
+    std::set<std::pair<std::string, std::string>> read;
+    for (const auto& resolved : stages.list)
+        for (const auto& [port, wire] : resolved.stage->inputs)
+            read.emplace(wire.stage, wire.port);
+    std::vector<std::pair<const PipelineStage*, const PortDescription*>> unused;
+    bool has_results = false;
+    for (const auto& [stage, program] : stages.list) {
+        if (!program) continue;
+        for (const auto& port : program->description.outputs) {
+            has_results = has_results || is_result(port);
+            if (!is_result(port) && !read.contains({stage->name, port.name})) unused.emplace_back(stage, &port);
+        }
+    }
+    for (const auto& [stage, port] : unused)
+        if (has_results)
+            problems.warn(stage->position,
+                          fmt::format("output '{}' of stage '{}' is read by no stage", port->name, stage->name));
+}
+
+GraphNode make_node(const Resolved& resolved, std::vector<GraphParam> params,
+                    const std::map<std::string, std::size_t, std::less<>>& node_of)
 {
     GraphNode node{resolved.stage->name, *resolved.program, {}, std::move(params)};
-    for (const auto& port : resolved.program->description.inputs)
-        if (const auto wire = resolved.stage->inputs.find(port.name); wire != resolved.stage->inputs.end())
-            node.inputs.push_back({port.name, graph.find(wire->second.stage), wire->second.port});
+    for (const auto& port : resolved.program->description.inputs) {
+        const auto wire = resolved.stage->inputs.find(port.name);
+        if (wire == resolved.stage->inputs.end()) continue;
+        const auto from = node_of.find(wire->second.stage);
+        node.inputs.push_back(
+            {port.name, from == node_of.end() ? std::nullopt : std::optional(from->second), wire->second.port});
+    }
     return node;
 }
 
 } // namespace
 
+std::optional<Graph> check_graph(const Pipeline& pipeline, Catalogue& catalogue, Problems& problems)
+{
+    const Stages stages = find_programs(pipeline, catalogue, problems);
+    std::vector<std::vector<GraphParam>> params(stages.list.size());
+    for (std::size_t i = 0; i < stages.list.size(); ++i) {
+        if (!stages.list[i].program) continue;
+        check_inputs(stages, stages.list[i], problems);
+        params[i] = check_params(stages.list[i], problems);
+    }
+    const Waits waits = wires_of(stages);
+    const auto order = running_order(waits);
+    check_circles(stages, waits, order, problems);
+    check_unused_outputs(stages, problems);
+    if (problems.has_errors()) return std::nullopt;
+
+    Graph graph{pipeline.name, {}, pipeline.scans};
+    std::map<std::string, std::size_t, std::less<>> node_of;
+    for (const std::size_t i : order) {
+        graph.nodes.push_back(make_node(stages.list[i], std::move(params[i]), node_of));
+        node_of.emplace(graph.nodes.back().name, node_of.size());
+    }
+    return graph;
+}
+
 Graph build_graph(const Pipeline& pipeline, Catalogue& catalogue, Problems problems)
 {
-    const auto stages = find_programs(pipeline, catalogue, problems);
-    std::vector<std::vector<GraphParam>> params(stages.size());
-    for (std::size_t i = 0; i < stages.size(); ++i) {
-        if (!stages[i].program) continue;
-        check_inputs(stages, stages[i], problems);
-        params[i] = check_params(stages[i], problems);
-    }
-    check_circles(stages, problems);
+    auto graph = check_graph(pipeline, catalogue, problems);
     problems.throw_if_any();
-
-    Graph graph{pipeline.name, {}};
-    for (const Resolved* resolved : in_running_order(stages))
-        graph.nodes.push_back(make_node(*resolved, params[static_cast<std::size_t>(resolved - stages.data())], graph));
-    return graph;
+    return *std::move(graph);
 }
 
 std::optional<std::size_t> Graph::find(const std::string& stage) const
@@ -250,6 +284,25 @@ std::vector<bool> Graph::upstream(std::size_t node) const
             for (const auto& input : nodes[i].inputs)
                 if (input.from) reached[*input.from] = true;
     return reached;
+}
+
+// The values that the stage gets: the defaults, and those of the pipeline over them.
+ParamValues values_of(const GraphNode& node)
+{
+    ParamValues values;
+    for (const auto& spec : node.program.description.params)
+        values[spec.name] = spec.default_value;
+    for (const auto& param : node.params)
+        values[param.name] = param.value;
+    return values;
+}
+
+bool does_the_same(const Graph& a, const Graph& b)
+{
+    return std::ranges::equal(a.nodes, b.nodes, [](const GraphNode& left, const GraphNode& right) {
+        return left.name == right.name && left.program.path == right.program.path && left.inputs == right.inputs &&
+               values_of(left) == values_of(right);
+    });
 }
 
 } // namespace quoin

@@ -16,6 +16,8 @@ struct GraphInput {
     std::string port;
     std::optional<std::size_t> from; // node; none = the scan folder of the run
     std::string from_port;
+
+    bool operator==(const GraphInput&) const = default;
 };
 
 struct GraphParam {
@@ -33,7 +35,8 @@ struct GraphNode {
 
 struct Graph {
     std::string name;
-    std::vector<GraphNode> nodes; // a node's inputs come from earlier nodes; ties keep the order of the file
+    std::vector<GraphNode> nodes;        // a node's inputs come from earlier nodes; ties keep the order of the file
+    std::vector<std::string> scans = {}; // "NAME=DIR" or "DIR": those that the pipeline itself names
 
     std::optional<std::size_t> find(const std::string& stage) const;
     bool uses_scan() const;
@@ -47,7 +50,17 @@ struct Graph {
     std::vector<bool> upstream(std::size_t node) const;
 };
 
-// Throws UsageError with everything that is wrong, `problems` included. Nothing is run but `--describe`.
+// The value of every parameter of the node's stage: its default, or what the pipeline sets.
+ParamValues values_of(const GraphNode& node);
+
+// True when both run the same programs on the same inputs with the same values of every parameter.
+bool does_the_same(const Graph& a, const Graph& b);
+
+// The graph, or none when there are errors, `problems` included; what is wrong is added to them. Nothing is run but
+// `--describe`.
+std::optional<Graph> check_graph(const Pipeline& pipeline, Catalogue& catalogue, Problems& problems);
+
+// The same; throws UsageError with everything that is wrong.
 Graph build_graph(const Pipeline& pipeline, Catalogue& catalogue, Problems problems);
 
 } // namespace quoin

@@ -18,4 +18,22 @@ std::vector<std::string> Pipeline::stage_names() const
     return names;
 }
 
+void Pipeline::remove(const std::string& stage_name)
+{
+    const PipelineStage* found = find(stage_name);
+    if (!found) return;
+    const PipelineStage removed = *found;
+    std::erase_if(stages, [&](const PipelineStage& stage) { return stage.name == removed.name; });
+    for (auto& stage : stages)
+        for (auto wire = stage.inputs.begin(); wire != stage.inputs.end();) {
+            const auto behind = removed.inputs.find(wire->second.port);
+            if (wire->second.stage != removed.name)
+                ++wire;
+            else if (behind == removed.inputs.end())
+                wire = stage.inputs.erase(wire);
+            else
+                (wire++)->second = behind->second;
+        }
+}
+
 } // namespace quoin

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "pipeline/source.h"
+#include "pipeline/yaml.h"
 
 #include <filesystem>
 #include <map>
@@ -16,11 +17,13 @@ struct Wire {
     std::string stage; // "" = the scan folder
     std::string port;
     Position position;
+    Position name_position; // of the input's name
 };
 
 struct Setting {
     std::string text; // as written; its type is the stage's business
     Position position;
+    Position name_position;
 };
 
 struct PipelineStage {
@@ -33,12 +36,25 @@ struct PipelineStage {
     std::map<std::string, Setting> params; // by name
 };
 
+// What a file says of variants and their comparison; study.h reads it.
+struct StudySection {
+    std::string key; // variants, matrix, ablate or report
+    YamlNode value;
+    std::filesystem::path folder; // of the file
+};
+
 struct Pipeline {
     std::string name;
     std::vector<PipelineStage> stages; // in the order of the file; names are unique
+    std::vector<std::string> scans;    // "NAME=DIR" or "DIR", absolute
+    std::vector<StudySection> study;   // those of the extended pipeline first
 
     PipelineStage* find(const std::string& stage);
     std::vector<std::string> stage_names() const;
+
+    // Takes a stage out. Who read an output of it reads what it read itself on a port of the same name, or goes
+    // without.
+    void remove(const std::string& stage_name);
 };
 
 } // namespace quoin

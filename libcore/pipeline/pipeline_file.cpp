@@ -2,6 +2,9 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
+#include "pipeline/catalogue.h"
+#include "pipeline/glob.h"
+#include "pipeline/locate.h"
 #include "pipeline/yaml.h"
 
 #include <algorithm>
@@ -32,9 +35,9 @@ void read_wire(const YamlEntry& entry, PipelineStage& stage, Problems& problems)
     const std::string& text = entry.value.text;
     const std::size_t dot = text.rfind('.');
     if (entry.value.is_scalar() && text == kScan)
-        stage.inputs[entry.key] = {"", "", entry.value.position};
+        stage.inputs[entry.key] = {"", "", entry.value.position, entry.position};
     else if (entry.value.is_scalar() && dot != std::string::npos && dot > 0 && dot + 1 < text.size())
-        stage.inputs[entry.key] = {text.substr(0, dot), text.substr(dot + 1), entry.value.position};
+        stage.inputs[entry.key] = {text.substr(0, dot), text.substr(dot + 1), entry.value.position, entry.position};
     else
         problems.add(entry.value.position,
                      fmt::format("input '{}' of stage '{}' is expected to come from stage.port or {}", entry.key,
@@ -43,12 +46,12 @@ void read_wire(const YamlEntry& entry, PipelineStage& stage, Problems& problems)
 
 void read_params(const YamlNode& map, PipelineStage& stage, Problems& problems)
 {
-    if (map.is_null() || !expect_map(map, fmt::format("the parameters of stage '{}'", stage.name), problems)) return;
+    if (map.is_null() || !expect_map(map, fmt::format("'params' of stage '{}'", stage.name), problems)) return;
     for (const auto& entry : map.entries) {
         if (entry.value.is_null())
             stage.params.erase(entry.key);
         else if (entry.value.is_scalar())
-            stage.params[entry.key] = {entry.value.text, entry.value.position};
+            stage.params[entry.key] = {entry.value.text, entry.value.position, entry.position};
         else
             problems.add(entry.value.position, fmt::format("parameter '{}' takes one value", entry.key));
     }
@@ -76,9 +79,120 @@ void read_stage(const YamlNode& map, const fs::path& folder, PipelineStage& stag
                      fmt::format("stage '{}' does not say which stage it uses (use: NAME)", stage.name));
 }
 
-void read_stages(const YamlNode& map, const fs::path& folder, Pipeline& pipeline, Problems& problems)
+void check_version(const YamlNode& document, Problems& problems)
 {
-    if (!expect_map(map, "'stages'", problems)) return;
+    const YamlNode* version = find(document, "version");
+    if (!version)
+        problems.add(document.position,
+                     fmt::format("the pipeline does not say its version; this build reads 'version: {}'", kVersion));
+    else if (version->text != kVersion)
+        problems.add(version->position, fmt::format("version '{}' of the pipeline format; this build reads version {}",
+                                                    version->text, kVersion));
+}
+
+Pipeline parse(const fs::path& path, const std::string& text, int depth, Problems& problems);
+
+// The file that `extends` means: beside this one, or one of Quoin's own by its name.
+fs::path find_extended(const YamlNode& extends, const fs::path& folder, Problems& problems)
+{
+    if (!extends.is_scalar() || extends.text.empty()) {
+        problems.add(extends.position, "'extends' is expected to name one pipeline");
+        return {};
+    }
+    if (const fs::path path = folder / extends.text; fs::is_regular_file(path)) return path;
+    try {
+        if (!extends.text.ends_with(".yaml") && !names_a_path(extends.text))
+            return find_yaml("pipelines", extends.text);
+        problems.add(extends.position, fmt::format("{}: no such file", (folder / extends.text).string()));
+    } catch (const UsageError& error) {
+        problems.add(extends.position, error.what());
+    }
+    return {};
+}
+
+// The pipeline that this one extends, or an empty one.
+Pipeline read_base(const YamlNode& document, const fs::path& folder, int depth, Problems& problems)
+{
+    const YamlNode* extends = find(document, "extends");
+    if (!extends || extends->is_null()) return {};
+    const fs::path path = find_extended(*extends, folder, problems);
+    if (path.empty()) return {};
+    if (depth >= kMaxExtends) {
+        problems.add(extends->position, "pipelines extend each other in a circle");
+        return {};
+    }
+    return parse(path, read_text(path), depth + 1, problems);
+}
+
+std::string scan_argument(const std::string& name, const YamlNode& place, const fs::path& folder, Problems& problems)
+{
+    if (!place.is_scalar() || place.text.empty()) {
+        problems.add(place.position, "a scan is expected to be the path of a folder");
+        return {};
+    }
+    const std::string path = fs::absolute(folder / place.text).lexically_normal().string();
+    return name.empty() ? path : name + "=" + path;
+}
+
+std::vector<std::string> read_scans(const YamlNode& scans, const fs::path& folder, Problems& problems)
+{
+    std::vector<std::string> arguments;
+    for (const auto& item : scans.items)
+        arguments.push_back(scan_argument("", item, folder, problems));
+    if (const YamlNode* pattern = find(scans, "glob"); pattern && scans.entries.size() == 1) {
+        for (const auto& match : glob(scan_argument("", *pattern, folder, problems)))
+            if (fs::is_directory(match)) arguments.push_back(match.string());
+        if (arguments.empty()) problems.add(pattern->position, fmt::format("no folder is like '{}'", pattern->text));
+        return arguments;
+    }
+    for (const auto& entry : scans.entries)
+        arguments.push_back(scan_argument(entry.key, entry.value, folder, problems));
+    if (scans.is_scalar())
+        problems.add(scans.position, "'scans' is a list of folders, a map {name: folder} or {glob: PATTERN}");
+    return arguments;
+}
+
+void read_study(const YamlNode& document, const fs::path& folder, Pipeline& pipeline)
+{
+    for (const char* key : {"variants", "matrix", "ablate", "report"})
+        if (const YamlNode* section = find(document, key)) pipeline.study.push_back({key, *section, folder});
+}
+
+Pipeline parse(const fs::path& path, const std::string& text, int depth, Problems& problems)
+{
+    const YamlNode document = parse_yaml(path.string(), text, problems);
+    if (problems.has_errors() && document.is_null()) return {};
+    if (!expect_map(document, "a pipeline", problems)) return {};
+    refuse_unknown_keys(document, {"version", "extends", "scans", "stages", "variants", "matrix", "ablate", "report"},
+                        "a pipeline", problems);
+    check_version(document, problems);
+    const fs::path folder = path.parent_path();
+    Pipeline pipeline = read_base(document, folder, depth, problems);
+    pipeline.name = path.stem().string();
+    if (const YamlNode* scans = find(document, "scans")) pipeline.scans = read_scans(*scans, folder, problems);
+    if (const YamlNode* stages = find(document, "stages")) apply_stages(pipeline, *stages, folder, problems);
+    read_study(document, folder, pipeline);
+    if (pipeline.stages.empty() && !problems.has_errors())
+        problems.add(document.position, "the pipeline has no stages");
+    return pipeline;
+}
+
+} // namespace
+
+Pipeline parse_pipeline(const fs::path& path, const std::string& text, Problems& problems)
+{
+    return parse(path, text, 0, problems);
+}
+
+Pipeline read_pipeline(const fs::path& path, Problems& problems)
+{
+    if (!fs::is_regular_file(path)) throw UsageError(fmt::format("{}: no such file", path.string()));
+    return parse(path, read_text(path), 0, problems);
+}
+
+void apply_stages(Pipeline& pipeline, const YamlNode& map, const fs::path& folder, Problems& problems)
+{
+    if (map.is_null() || !expect_map(map, "'stages'", problems)) return;
     for (const auto& entry : map.entries) {
         if (!is_name(entry.key)) {
             problems.add(entry.position,
@@ -95,64 +209,6 @@ void read_stages(const YamlNode& map, const fs::path& folder, Pipeline& pipeline
         stage.position = entry.position;
         read_stage(entry.value, folder, stage, problems);
     }
-}
-
-void check_version(const YamlNode& document, Problems& problems)
-{
-    const YamlNode* version = find(document, "version");
-    if (!version)
-        problems.add(document.position,
-                     fmt::format("the pipeline does not say its version; this build reads 'version: {}'", kVersion));
-    else if (version->text != kVersion)
-        problems.add(version->position, fmt::format("version '{}' of the pipeline format; this build reads version {}",
-                                                    version->text, kVersion));
-}
-
-Pipeline parse(const fs::path& path, const std::string& text, int depth, Problems& problems);
-
-// The pipeline that this one extends, or an empty one.
-Pipeline read_base(const YamlNode& document, const fs::path& folder, int depth, Problems& problems)
-{
-    const YamlNode* extends = find(document, "extends");
-    if (!extends || extends->is_null()) return {};
-    const fs::path path = folder / extends->text;
-    if (!extends->is_scalar() || !fs::is_regular_file(path)) {
-        problems.add(extends->position, fmt::format("{}: no such file", path.string()));
-        return {};
-    }
-    if (depth >= kMaxExtends) {
-        problems.add(extends->position, "pipelines extend each other in a circle");
-        return {};
-    }
-    return parse(path, read_text(path), depth + 1, problems);
-}
-
-Pipeline parse(const fs::path& path, const std::string& text, int depth, Problems& problems)
-{
-    const YamlNode document = parse_yaml(path.string(), text, problems);
-    if (!problems.empty() && document.is_null()) return {};
-    if (!expect_map(document, "a pipeline", problems)) return {};
-    refuse_unknown_keys(document, {"version", "extends", "stages"}, "a pipeline", problems);
-    check_version(document, problems);
-    const fs::path folder = path.parent_path();
-    Pipeline pipeline = read_base(document, folder, depth, problems);
-    pipeline.name = path.stem().string();
-    if (const YamlNode* stages = find(document, "stages")) read_stages(*stages, folder, pipeline, problems);
-    if (pipeline.stages.empty() && problems.empty()) problems.add(document.position, "the pipeline has no stages");
-    return pipeline;
-}
-
-} // namespace
-
-Pipeline parse_pipeline(const fs::path& path, const std::string& text, Problems& problems)
-{
-    return parse(path, text, 0, problems);
-}
-
-Pipeline read_pipeline(const fs::path& path, Problems& problems)
-{
-    if (!fs::is_regular_file(path)) throw UsageError(fmt::format("{}: no such file", path.string()));
-    return parse(path, read_text(path), 0, problems);
 }
 
 void apply_config(Pipeline& pipeline, const fs::path& path, Problems& problems)
@@ -177,9 +233,10 @@ void apply_setting(Pipeline& pipeline, const std::string& argument, Problems& pr
         return;
     }
     const std::string name = argument.substr(0, dot);
+    const auto at = [&](std::size_t column) { return argument_position("-S", argument, static_cast<int>(column) + 1); };
     if (PipelineStage* stage = pipeline.find(name))
-        stage->params[argument.substr(dot + 1, equals - dot - 1)] = {
-            argument.substr(equals + 1), argument_position("-S", argument, static_cast<int>(dot) + 2)};
+        stage->params[argument.substr(dot + 1, equals - dot - 1)] = {argument.substr(equals + 1), at(equals + 1),
+                                                                     at(dot + 1)};
     else
         problems.add(argument_position("-S", argument),
                      fmt::format("the pipeline has no stage '{}'{}", name, hint(name, pipeline.stage_names())));

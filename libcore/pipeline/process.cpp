@@ -6,9 +6,11 @@
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <poll.h>
+#include <sstream>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -172,6 +174,15 @@ std::vector<Captured> capture_all(const std::vector<Command>& commands, double t
             results[i] = capture(children[i - begin], timer, timeout_seconds);
     }
     return results;
+}
+
+std::optional<std::filesystem::path> find_program(const std::string& name)
+{
+    const char* path = std::getenv("PATH");
+    std::istringstream folders(path ? path : "");
+    for (std::string folder; std::getline(folders, folder, ':');)
+        if (const auto file = std::filesystem::path(folder) / name; ::access(file.c_str(), X_OK) == 0) return file;
+    return std::nullopt;
 }
 
 std::filesystem::path executable_path() { return std::filesystem::read_symlink("/proc/self/exe"); }

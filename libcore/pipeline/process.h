@@ -56,6 +56,9 @@ struct Command {
 // Runs all commands, a few side by side, and returns what each wrote to stdout. The timeout is for each of them.
 std::vector<Captured> capture_all(const std::vector<Command>& commands, double timeout_seconds);
 
+// The program of that name in $PATH, if there is one.
+std::optional<std::filesystem::path> find_program(const std::string& name);
+
 // The path of the running executable.
 std::filesystem::path executable_path();
 

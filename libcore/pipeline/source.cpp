@@ -50,7 +50,22 @@ std::string to_string(const Position& position)
     return fmt::format("{}:{}:{}", position.source->name, position.line, position.column);
 }
 
-void Problems::add(const Position& position, const std::string& message) { entries_.push_back({position, message}); }
+// The same is said once: a variant repeats what is wrong with its pipeline.
+void Problems::put(const Position& position, std::string message)
+{
+    const auto is_same = [&](const Entry& entry) {
+        return entry.message == message && to_string(entry.position) == to_string(position);
+    };
+    if (std::ranges::none_of(entries_, is_same)) entries_.push_back({position, std::move(message)});
+}
+
+void Problems::add(const Position& position, const std::string& message)
+{
+    ++errors_;
+    put(position, message);
+}
+
+void Problems::warn(const Position& position, const std::string& message) { put(position, "warning: " + message); }
 
 std::string Problems::text() const
 {
@@ -69,7 +84,7 @@ std::string Problems::text() const
 
 void Problems::throw_if_any() const
 {
-    if (!empty()) throw UsageError(text());
+    if (has_errors()) throw UsageError(text());
 }
 
 std::string hint(const std::string& name, const std::vector<std::string>& candidates)

@@ -1,6 +1,7 @@
 // Where a text of the user says something, and the collection of everything that is wrong with it.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
@@ -30,20 +31,24 @@ std::string to_string(const Position& position); // "file:line:column", or the f
 class Problems {
 public:
     void add(const Position& position, const std::string& message);
+    void warn(const Position& position, const std::string& message); // stops nobody
     bool empty() const { return entries_.empty(); }
+    bool has_errors() const { return errors_ > 0; }
 
     // Every problem in the order of the texts: position and message, the source line, a caret.
     std::string text() const;
 
-    // Throws UsageError with text() unless empty.
+    // Throws UsageError with text() if there are errors.
     void throw_if_any() const;
 
 private:
+    void put(const Position& position, std::string message);
     struct Entry {
         Position position;
         std::string message;
     };
     std::vector<Entry> entries_;
+    std::size_t errors_ = 0;
 };
 
 // "; did you mean 'fuse'?" when a candidate is near, else "; there is: fuse, merge", else "".

@@ -89,7 +89,7 @@ TEST(Graph, NamesTheOutputsOfAStageForAWrongPort)
 TEST(Graph, RefusesAnUnknownInput)
 {
     EXPECT_THAT(refusal("  fuse: {use: fuse, in: {scan: import.scan, scann: import.scan}}\n"),
-                HasSubstr("p.yaml:4:52: stage 'fuse' has no input 'scann'; did you mean 'scan'?"));
+                HasSubstr("p.yaml:4:45: stage 'fuse' has no input 'scann'; did you mean 'scan'?"));
 }
 
 TEST(Graph, RefusesAWireBetweenDifferentSchemas)
@@ -130,7 +130,7 @@ TEST(Graph, ShowsACircle)
 TEST(Graph, NamesTheNearestParameter)
 {
     EXPECT_THAT(refusal("  fuse: {use: fuse, in: {scan: import.scan}, params: {sizes: 0.1}}\n"),
-                HasSubstr("p.yaml:4:62: stage 'fuse' has no parameter 'sizes'; did you mean 'size'?"));
+                HasSubstr("p.yaml:4:55: stage 'fuse' has no parameter 'sizes'; did you mean 'size'?"));
 }
 
 TEST(Graph, RefusesValuesOfAnotherTypeOrOutsideTheInterval)
@@ -154,7 +154,7 @@ TEST(Graph, ReportsEverythingAtOnceInTheOrderOfTheFile)
     const std::string message = refusal("  fuse: {use: fuse, in: {scan: imprt.scan}, params: {sizes: 1}}\n"
                                         "  partition: {use: partition, im: {mesh: fuse.mesh}}\n");
     const std::vector<std::string> expected{
-        "p.yaml:4:32:", "p.yaml:4:61:", "p.yaml:5:3:", "p.yaml:5:31: a stage has no key 'im'; did you mean 'in'?"};
+        "p.yaml:4:32:", "p.yaml:4:54:", "p.yaml:5:3:", "p.yaml:5:31: a stage has no key 'im'; did you mean 'in'?"};
     std::size_t at = 0;
     for (const auto& text : expected) {
         at = message.find(text, at);
@@ -197,6 +197,20 @@ TEST(Graph, IsDrawnAsTextDotAndMermaid)
     EXPECT_EQ(graph_as_text(graph), "import       $scan -> scan\nroom (fuse)  import.scan -> mesh\n");
     EXPECT_THAT(graph_as_dot(graph), HasSubstr("\"import\" -> \"room\" [label=\"scan\"];"));
     EXPECT_THAT(graph_as_mermaid(graph), HasSubstr("  s0 -- scan --> s1\n"));
+}
+
+TEST(Graph, IsColouredByWhatTheStoreHas)
+{
+    const Graph graph = graph_of("  room: {use: fuse, in: {scan: import.scan}}\n");
+    const std::vector<NodeState> one{{.stored = 1}, {.compute = 1}};
+    EXPECT_EQ(graph_as_text(graph, one), "import       in the store  $scan -> scan\n"
+                                         "room (fuse)  to compute    import.scan -> mesh\n");
+    EXPECT_THAT(graph_as_text(graph, one, true), HasSubstr("\x1b[32min the store"));
+    EXPECT_THAT(graph_as_dot(graph, one),
+                HasSubstr(R"("room" [label="room (fuse)\nto compute", fillcolor="#f8cfc4"])"));
+    EXPECT_THAT(graph_as_mermaid(graph, one), HasSubstr("s0[\"import<br>in the store\"]:::stored\n"));
+    const std::vector<NodeState> many{{.stored = 9}, {.stored = 5, .compute = 0, .follows = 4}};
+    EXPECT_THAT(graph_as_text(graph, many), HasSubstr("5 in the store, 4 follow"));
 }
 
 TEST(Graph, RefusesAProgramThatIsNoStage)
