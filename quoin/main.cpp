@@ -25,6 +25,7 @@ constexpr std::array kVerbs{
     Verb{"run", "run a pipeline on scans", run_verb},
     Verb{"plan", "show what a run would compute", plan_verb},
     Verb{"status", "show what a folder of results holds", status_verb},
+    Verb{"ablate", "run variants of a pipeline and compare them", ablate_verb},
     Verb{"graph", "draw a pipeline as text, dot or mermaid", graph_verb},
     Verb{"stages", "list the stages", stages_verb},
     Verb{"describe", "show ports and parameters of a stage", describe_verb},

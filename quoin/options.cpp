@@ -1,12 +1,17 @@
 #include "quoin/options.h"
 
 #include "base/error.h"
+#include "base/log.h"
 #include "pipeline/locate.h"
 #include "pipeline/pipeline_file.h"
+#include "pipeline/study.h"
+#include "pipeline/text_figures.h"
 #include "quoin/command_line.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <fmt/format.h>
+#include <thread>
 
 namespace quoin {
 namespace fs = std::filesystem;
@@ -19,18 +24,33 @@ void PipelineOptions::add_to(CLI::App& app)
     add_repeated(app, "--use", uses, "stage=PROGRAM: another program for a stage");
 }
 
+void PipelineOptions::add_variant_to(CLI::App& app)
+{
+    app.add_option("--variant", variant, "one of the pipeline's variants, laid over it");
+}
+
+Pipeline PipelineOptions::read(Problems& problems) const
+{
+    Pipeline text = read_pipeline(find_yaml("pipelines", pipeline), problems);
+    for (const auto& config : configs)
+        apply_config(text, find_yaml("configs", config), problems);
+    for (const auto& setting : settings)
+        apply_setting(text, setting, problems);
+    for (const auto& use : uses)
+        apply_use(text, use, problems);
+    return text;
+}
+
 Graph PipelineOptions::load() const
 {
     Problems problems;
-    Pipeline pipeline_text = read_pipeline(find_yaml("pipelines", pipeline), problems);
-    for (const auto& config : configs)
-        apply_config(pipeline_text, find_yaml("configs", config), problems);
-    for (const auto& setting : settings)
-        apply_setting(pipeline_text, setting, problems);
-    for (const auto& use : uses)
-        apply_use(pipeline_text, use, problems);
+    Pipeline text = read(problems);
+    if (!variant.empty()) text = make_variant(text, variant, problems);
     Catalogue catalogue(stage_folder());
-    return build_graph(pipeline_text, catalogue, std::move(problems));
+    auto graph = check_graph(text, catalogue, problems);
+    problems.throw_if_any();
+    if (!problems.empty()) fmt::print(stderr, "{}\n", problems.text());
+    return *std::move(graph);
 }
 
 void PlaceOptions::add_to(CLI::App& app)
@@ -56,8 +76,9 @@ std::vector<NamedScan> PlaceOptions::named_scans(const Graph& graph) const
     if (!graph.uses_scan() && !scans.empty())
         throw UsageError(fmt::format("--scan {}: pipeline '{}' makes its own scan", scans.front(), graph.name));
     if (!graph.uses_scan()) return {{graph.name, {}}};
-    if (scans.empty()) throw UsageError("no scan: add --scan DIR");
-    return parse_scans(scans);
+    const auto& arguments = scans.empty() ? graph.scans : scans;
+    if (arguments.empty()) throw UsageError("no scan: add --scan DIR");
+    return parse_scans(arguments);
 }
 
 void SelectionOptions::add_to(CLI::App& app)
@@ -65,6 +86,31 @@ void SelectionOptions::add_to(CLI::App& app)
     app.add_option("--from", selection.from, "begin at this stage; results of earlier ones are taken as they are");
     app.add_option("--until", selection.until, "end at this stage");
     add_repeated(app, "--force", selection.force, "compute this stage anew even when the store has its result");
+}
+
+void BudgetOptions::add_to(CLI::App& app)
+{
+    budget.jobs = 0;
+    budget.threads = 0;
+    app.add_option("--jobs", budget.jobs, "stages side by side (default: 1, or one a scan while each has 4 threads)")
+        ->check(CLI::PositiveNumber);
+    app.add_option("--threads", budget.threads, "threads of all stages together (default: all)")
+        ->check(CLI::NonNegativeNumber);
+    app.add_option("--memory", memory, "memory of all stages together, like 16G");
+    app.add_option("--log-level", budget.log_level, "what stages say: debug, info, warning, error or off")
+        ->capture_default_str();
+}
+
+Budget BudgetOptions::complete(std::size_t scans, const Layout& layout) const
+{
+    constexpr int kThreadsPerScan = 4; // below, stages side by side gain less than they cost in memory
+    Budget complete = budget;
+    if (complete.threads == 0) complete.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+    if (complete.jobs == 0) complete.jobs = std::clamp(complete.threads / kThreadsPerScan, 1, static_cast<int>(scans));
+    if (!memory.empty()) complete.memory = parse_bytes(memory, "--memory");
+    parse_log_level(complete.log_level);
+    complete.store = layout.store;
+    return complete;
 }
 
 } // namespace quoin

@@ -4,7 +4,9 @@
 #include "pipeline/catalogue.h"
 #include "pipeline/graph.h"
 #include "pipeline/layout.h"
+#include "pipeline/pipeline.h"
 #include "pipeline/plan.h"
+#include "pipeline/scheduler.h"
 
 #include <CLI/CLI.hpp>
 #include <string>
@@ -17,10 +19,16 @@ struct PipelineOptions {
     std::vector<std::string> configs;
     std::vector<std::string> settings;
     std::vector<std::string> uses;
+    std::string variant;
 
     void add_to(CLI::App& app);
+    void add_variant_to(CLI::App& app); // for verbs that work on one variant
 
-    // The checked graph. Throws UsageError with everything that is wrong in the files and arguments.
+    // The pipeline with parameter sets and settings laid over it.
+    Pipeline read(Problems& problems) const;
+
+    // The checked graph; warnings go to stderr. Throws UsageError with everything that is wrong in the files and
+    // arguments.
     Graph load() const;
 };
 
@@ -42,6 +50,17 @@ struct SelectionOptions {
     Selection selection;
 
     void add_to(CLI::App& app);
+};
+
+// What a run may use of the machine.
+struct BudgetOptions {
+    Budget budget; // jobs and threads: 0 = left open
+    std::string memory;
+
+    void add_to(CLI::App& app);
+
+    // With what was left open filled in for so many scans.
+    Budget complete(std::size_t scans, const Layout& layout) const;
 };
 
 } // namespace quoin

@@ -27,6 +27,7 @@ int plan_verb(const Arguments& arguments)
     PlaceOptions place;
     SelectionOptions selection;
     pipeline.add_to(app);
+    pipeline.add_variant_to(app);
     place.add_to(app);
     selection.add_to(app);
     if (!parse_arguments(app, arguments)) return 0;

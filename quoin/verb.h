@@ -11,6 +11,7 @@ using Arguments = std::vector<std::string>; // what follows the verb
 int run_verb(const Arguments& arguments);
 int plan_verb(const Arguments& arguments);
 int status_verb(const Arguments& arguments);
+int ablate_verb(const Arguments& arguments);
 int graph_verb(const Arguments& arguments);
 int stages_verb(const Arguments& arguments);
 int describe_verb(const Arguments& arguments);

@@ -152,6 +152,22 @@ std::vector<Task> plan_tasks(const Graph& graph, const std::vector<NamedScan>& s
     return tasks;
 }
 
+void wait_for_equal_tasks(std::vector<Task>& tasks)
+{
+    std::map<std::string, std::size_t> first_of;  // by what the task does
+    std::vector<std::size_t> first(tasks.size()); // the first task that does the same
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+        std::string work = tasks[i].program.string();
+        for (const auto& setting : tasks[i].settings)
+            work += '\n' + setting;
+        for (const auto& input : tasks[i].inputs)
+            work += '\n' + input.port + '\n' +
+                    (input.from ? fmt::format("{}.{}", first[*input.from], input.from_port) : input.path.string());
+        first[i] = first_of.emplace(std::move(work), i).first->second;
+        if (first[i] != i) tasks[i].after.push_back(first[i]);
+    }
+}
+
 std::vector<std::string> arguments_of(const Task& task, const fs::path& store)
 {
     std::vector<std::string> arguments;

@@ -61,4 +61,8 @@ std::vector<std::string> arguments_of(const Task& task, const std::filesystem::p
 std::vector<Task> plan_tasks(const Graph& graph, const std::vector<NamedScan>& scans, const Layout& layout,
                              const Selection& selection);
 
+// Of tasks that do the same work, as variants share their first stages, all but the first wait for the first: they find
+// its result in the store.
+void wait_for_equal_tasks(std::vector<Task>& tasks);
+
 } // namespace quoin

@@ -176,6 +176,49 @@ TEST_F(DriverTest, FindsPipelinesByName)
     ::unsetenv("QUOIN_PIPELINES");
 }
 
+TEST_F(DriverTest, DrawsWhatTheStoreHas)
+{
+    make({{"import", {"folder"}, {"scan"}}}, kImport);
+    EXPECT_EQ(quoin("graph p.yaml --scan room").out, "import  to compute  $scan -> scan\n");
+    const fs::path tools = folder_.path() / "tools";
+    fs::create_directories(tools);
+    std::ofstream(tools / "dot") << "#!/bin/sh\n[ $1 = -Tsvg ] && grep -q digraph $2 && echo '<svg/>'\n";
+    fs::permissions(tools / "dot", fs::perms::owner_all);
+    const std::string path = std::getenv("PATH");
+    ::setenv("PATH", (tools.string() + ":" + path).c_str(), 1);
+    EXPECT_EQ(quoin("graph p.yaml --format svg").out, "<svg/>\n");
+    fs::remove(tools / "dot");
+    for (const std::string tool : {"bash", "cat", "dirname"}) // that the fake stages need
+        fs::create_symlink("/usr/bin/" + tool, tools / tool);
+    ::setenv("PATH", tools.c_str(), 1);
+    const Finished without = quoin("graph p.yaml --format svg");
+    ::setenv("PATH", path.c_str(), 1);
+    EXPECT_THAT(without.err, HasSubstr("--format svg needs Graphviz"));
+}
+
+TEST_F(DriverTest, ComparesVariantsThatShareTheirFirstStages)
+{
+    make({{"import", {"folder"}, {"scan"}}, {"fuse", {"scan"}, {"mesh"}}},
+         std::string(kImport) + "  fuse: {use: fuse, in: {scan: import.scan}}\n"
+                                "variants: {fine: {fuse.size: 0.1}, same: {fuse.size: 0.5}}\n");
+    const Finished run =
+        quoin("ablate p.yaml --scan room --out results --vary fuse.count=4 --vary fuse.mode=exact,fats");
+    EXPECT_EQ(run.code, 2);
+    EXPECT_THAT(run.err, HasSubstr("--vary: stage 'fuse': parameter 'mode' is 'fats': expected one of fast, exact; did "
+                                   "you mean 'fast'?"));
+    EXPECT_TRUE(stages_->log().empty());
+    const Finished good = quoin("ablate p.yaml --scan room --out results --vary fuse.count=4");
+    EXPECT_EQ(good.code, 0) << good.err;
+    EXPECT_THAT(good.err, HasSubstr("same is the same as baseline; left out"));
+    EXPECT_THAT(good.out, HasSubstr("seconds [s], lower is better"));
+    EXPECT_THAT(good.out, AllOf(HasSubstr("\n  baseline"), HasSubstr("\n  fine"), HasSubstr("\n  fuse.count=4")));
+    EXPECT_TRUE(fs::exists(folder_.path() / "results/fuse.count=4/room/fuse/mesh.safetensors"));
+    for (const char* file : {"ablation.txt", "ablation.csv", "ablation.tex", "ablation.html", "ablation-values.csv"})
+        EXPECT_TRUE(fs::exists(folder_.path() / "results" / file)) << file;
+    EXPECT_EQ(quoin("run p.yaml --scan room --out one --variant fine").code, 0);
+    EXPECT_THAT(stages_->arguments("fuse"), HasSubstr("--set size=0.1"));
+}
+
 TEST_F(DriverTest, PlansWithoutMakingAnything)
 {
     make({{"import", {"folder"}, {"scan"}}}, kImport);

@@ -93,6 +93,16 @@ TEST_F(PlanTest, ForcesOnlyTheNamedStage)
     EXPECT_TRUE(tasks[1].is_forced);
 }
 
+TEST_F(PlanTest, LetsEqualTasksWaitForTheFirst)
+{
+    auto tasks = plan({}, {{"a", "/scans/room"}, {"b", "/scans/room"}});
+    tasks[4].settings = {"size=0.3"};
+    wait_for_equal_tasks(tasks);
+    EXPECT_THAT(tasks[3].after, ElementsAre(0)); // the same import
+    EXPECT_THAT(tasks[4].after, ElementsAre(3)); // another size: its own work
+    EXPECT_THAT(tasks[5].after, ElementsAre(4)); // and so is what reads it
+}
+
 TEST_F(PlanTest, RefusesUnknownStages)
 {
     EXPECT_THROW(plan({.from = "fuze", .until = {}, .force = {}}), UsageError);

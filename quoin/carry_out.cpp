@@ -1,0 +1,49 @@
+#include "quoin/carry_out.h"
+
+#include "base/timer.h"
+#include "pipeline/display.h"
+#include "pipeline/text_figures.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <unistd.h>
+
+namespace quoin {
+namespace {
+
+std::ptrdiff_t count(const RunOutcome& outcome, TaskState state)
+{
+    return std::ranges::count(outcome.results, state, &TaskResult::state);
+}
+
+std::string outcome_text(const RunOutcome& outcome, double seconds)
+{
+    const auto computed = static_cast<std::uint64_t>(count(outcome, TaskState::Computed));
+    const auto cached = static_cast<std::uint64_t>(count(outcome, TaskState::Cached));
+    const auto failed = static_cast<std::uint64_t>(count(outcome, TaskState::Failed));
+    const auto not_run =
+        static_cast<std::uint64_t>(count(outcome, TaskState::NotRun) + count(outcome, TaskState::Stopped));
+    if (cached == outcome.results.size())
+        return fmt::format("nothing to compute: {} in the store", count_text(cached, "stage"));
+    std::string text = fmt::format("{} computed in {}", count_text(computed, "stage"), duration_text(seconds));
+    if (cached > 0) text += fmt::format(", {} in the store", cached);
+    if (failed > 0) text += fmt::format(", {} failed", failed);
+    if (not_run > 0) text += fmt::format(", {} not run", not_run);
+    return text;
+}
+
+} // namespace
+
+RunOutcome carry_out(const std::vector<Task>& tasks, const Budget& budget)
+{
+    const Timer timer;
+    RunOutcome outcome;
+    {
+        Display display(tasks, ::isatty(STDERR_FILENO) != 0);
+        outcome = run_tasks(tasks, budget, display);
+    }
+    fmt::print(stderr, "{}\n", outcome_text(outcome, timer.seconds()));
+    return outcome;
+}
+
+} // namespace quoin

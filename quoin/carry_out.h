@@ -1,0 +1,13 @@
+// A run with its live view and its last line.
+#pragma once
+
+#include "pipeline/scheduler.h"
+
+#include <vector>
+
+namespace quoin {
+
+// Runs the tasks, shows them on stderr, and says at the end how many were computed, failed and were not run.
+RunOutcome carry_out(const std::vector<Task>& tasks, const Budget& budget);
+
+} // namespace quoin
