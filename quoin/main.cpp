@@ -30,6 +30,7 @@ constexpr std::array kVerbs{
     Verb{"stages", "list the stages", stages_verb},
     Verb{"describe", "show ports and parameters of a stage", describe_verb},
     Verb{"inspect", "show what an artifact holds and where it comes from", inspect_verb},
+    Verb{"report", "write a page that shows a model and its figures", report_verb},
 };
 
 void print_help()

@@ -16,5 +16,6 @@ int graph_verb(const Arguments& arguments);
 int stages_verb(const Arguments& arguments);
 int describe_verb(const Arguments& arguments);
 int inspect_verb(const Arguments& arguments);
+int report_verb(const Arguments& arguments);
 
 } // namespace quoin

@@ -1,0 +1,142 @@
+#include "quoin/report_sources.h"
+
+#include "artifact/digest.h"
+#include "base/atomic_file.h"
+#include "pipeline/run_record.h"
+#include "report/report.h"
+#include "schema/schema.h"
+
+#include <fmt/format.h>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace quoin {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+// The result of the last stage of the graph that gives this schema and has one.
+std::optional<fs::path> find_result(const Graph& graph, const std::string& scan, const Layout& layout,
+                                    const std::string& schema)
+{
+    std::optional<fs::path> found;
+    for (const auto& node : graph.nodes)
+        for (const auto& port : node.program.description.outputs) {
+            const fs::path path = layout.output(scan, node.name, port.name, port.schema);
+            if (port.schema == schema && fs::is_regular_file(path)) found = path;
+        }
+    return found;
+}
+
+template <class T>
+std::optional<T> read_if_found(const std::optional<fs::path>& path, T (*read)(const fs::path&))
+{
+    return path ? std::optional<T>(read(*path)) : std::nullopt;
+}
+
+template <class T>
+const T* pointer(const std::optional<T>& value)
+{
+    return value ? &*value : nullptr;
+}
+
+std::vector<StageFigures> stage_figures(const Graph& graph, const std::string& scan, const Layout& layout)
+{
+    std::vector<StageFigures> figures;
+    for (const auto& node : graph.nodes)
+        if (const auto record = read_run_record(layout.record(scan, node.name)))
+            figures.push_back({node.name, record->seconds, record->peak_memory_bytes, record->params_json});
+    return figures;
+}
+
+std::string digest_of(const Graph& graph, const std::string& scan, const Layout& layout)
+{
+    std::string text = graph.name + "\n" + scan + "\n" QUOIN_VERSION "\n";
+    for (const auto& node : graph.nodes)
+        if (const auto record = read_run_record(layout.record(scan, node.name))) {
+            text += fmt::format("{} {} {} {}\n", node.name, record->key, record->seconds, record->peak_memory_bytes);
+            for (const auto& [port, payload] : record->outputs)
+                text += fmt::format("  {} {}\n", port, payload);
+        }
+    return sha256_hex(text);
+}
+
+std::string digest_of_page(const fs::path& page)
+{
+    constexpr std::size_t kHead = 1024; // the digest stands in the first lines
+    std::string head(kHead, '\0');
+    std::ifstream file(page, std::ios::binary);
+    file.read(head.data(), static_cast<std::streamsize>(kHead));
+    return report_digest(head);
+}
+
+// The frame that the exported model was brought into, or the world's when there is none.
+Rigid model_from_world(const fs::path& summary)
+{
+    Rigid transform = Rigid::Identity();
+    if (!fs::is_regular_file(summary)) return transform;
+    const Json json = Json::parse(read_text(summary), nullptr, false);
+    const Json rows = json.value(Json::json_pointer("/frame/model_from_world"), Json::array());
+    if (rows.size() != 4) return transform;
+    for (int r = 0; r < 4; ++r)
+        for (int c = 0; c < 4; ++c)
+            transform(r, c) = rows[static_cast<std::size_t>(r)].at(static_cast<std::size_t>(c)).get<double>();
+    return transform;
+}
+
+// The folder with the scan's images: the scan itself, or the one that the pipeline makes.
+fs::path image_root(const Graph& graph, const NamedScan& scan, const Layout& layout)
+{
+    if (!scan.folder.empty()) return scan.folder;
+    for (const auto& node : graph.nodes)
+        for (const auto& port : node.program.description.outputs)
+            if (port.schema == "folder") return layout.output(scan.name, node.name, port.name, port.schema);
+    return {};
+}
+
+} // namespace
+
+fs::path report_page(const Layout& layout, const std::string& scan) { return layout.scan_folder(scan) / "report.html"; }
+
+bool write_report(const Graph& graph, const NamedScan& named, const Layout& layout, const fs::path& page)
+{
+    const std::string digest = digest_of(graph, named.name, layout);
+    if (fs::is_regular_file(page) && digest_of_page(page) == digest) return false;
+    const auto find = [&](const char* schema) { return find_result(graph, named.name, layout, schema); };
+    const auto textured = read_if_found(find("textured_mesh"), read_textured_mesh);
+    const auto planes = textured ? std::nullopt : read_if_found(find("plane_mesh"), read_plane_mesh);
+    const auto dense = read_if_found(find("mesh"), read_mesh);
+    const auto scan = read_if_found(find("scan"), read_scan);
+    const auto keyframes = read_if_found(find("keyframes"), read_keyframes);
+    const auto alignment = read_if_found(find("alignment"), read_alignment);
+    const auto lines = read_if_found(find("lines"), read_lines);
+    const auto metrics = read_if_found(find("metrics"), read_metrics);
+    const fs::path root = image_root(graph, named, layout), model = layout.scan_folder(named.name) / "model";
+    std::optional<ScanImages> images;
+    if (scan && fs::is_directory(root)) images.emplace(*scan, root);
+
+    ReportParts parts;
+    parts.scan_name = named.name;
+    parts.pipeline = graph.name;
+    parts.generator = "Quoin " QUOIN_VERSION;
+    parts.digest = digest;
+    if (fs::exists(model / "model.glb"))
+        parts.model_file = (model / "model.glb").lexically_proximate(page.parent_path()).generic_string();
+    parts.model_from_world = model_from_world(model / "summary.json");
+    parts.textured = pointer(textured);
+    parts.planes = pointer(planes);
+    parts.dense = pointer(dense);
+    parts.scan = pointer(scan);
+    parts.images = pointer(images);
+    parts.keyframes = pointer(keyframes);
+    parts.alignment = pointer(alignment);
+    parts.lines = pointer(lines);
+    parts.metrics = pointer(metrics);
+    parts.stages = stage_figures(graph, named.name, layout);
+    write_atomically(page, std::string_view(make_report(parts)));
+    return true;
+}
+
+} // namespace quoin
