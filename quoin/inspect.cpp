@@ -1,8 +1,10 @@
 #include "artifact/artifact.h"
 #include "base/error.h"
+#include "image/image_io.h"
 #include "pipeline/text_figures.h"
 #include "quoin/command_line.h"
 #include "quoin/tensor_statistics.h"
+#include "report/picture.h"
 #include "schema/schema.h"
 
 #include <cmath>
@@ -86,6 +88,44 @@ void print_header(const fs::path& path, const Artifact& artifact, const std::str
         if (key != "quoin.payload" && key != "quoin.checksums") fmt::print("{:<20} {}\n", key, value);
 }
 
+struct PictureOptions {
+    std::string picture, scan_root, scan;
+};
+
+ScanImages images_of(const Scan& scan, const PictureOptions& options, const std::string& schema)
+{
+    if (options.scan_root.empty())
+        throw UsageError(
+            fmt::format("a picture of {} shows photographs: add --scan-root DIR, the scan's folder", schema));
+    return {scan, options.scan_root};
+}
+
+// The scan that an artifact of the same run was made from: given, or OUT/<scan>/import/scan.safetensors beside it.
+Scan scan_beside(const fs::path& path, const PictureOptions& options)
+{
+    const fs::path beside = path.parent_path().parent_path() / "import" / "scan.safetensors";
+    const fs::path file = options.scan.empty() ? beside : fs::path(options.scan);
+    if (!fs::is_regular_file(file))
+        throw UsageError(
+            fmt::format("{}: no such file; add --scan FILE, the scan artifact of the same run", file.string()));
+    return read_scan(file);
+}
+
+ColorImage draw_picture(const fs::path& path, const std::string& schema, const PictureOptions& options)
+{
+    if (schema == "mesh") return picture_of(read_mesh(path));
+    if (schema == "plane_mesh") return picture_of(read_plane_mesh(path));
+    if (schema == "textured_mesh") return picture_of(read_textured_mesh(path));
+    if (schema == "alignment") return picture_of(read_alignment(path));
+    if (schema != "scan" && schema != "keyframes" && schema != "lines")
+        throw UsageError(fmt::format("{}: there is no picture of {}", path.string(), schema));
+    const Scan scan = schema == "scan" ? read_scan(path) : scan_beside(path, options);
+    const ScanImages images = images_of(scan, options, schema);
+    if (schema == "scan") return picture_of(scan, images);
+    if (schema == "keyframes") return picture_of(read_keyframes(path), images);
+    return picture_of(read_lines(path), images);
+}
+
 } // namespace
 
 int inspect_verb(const Arguments& arguments)
@@ -95,11 +135,21 @@ int inspect_verb(const Arguments& arguments)
     bool as_json = false;
     app.add_option("FILE", file, "an artifact (.safetensors)")->required();
     app.add_flag("--json", as_json, "as JSON");
+    PictureOptions picture;
+    app.add_option("--picture", picture.picture, "draw it into this PNG file instead");
+    app.add_option("--scan-root", picture.scan_root, "the scan's folder, for pictures with photographs");
+    app.add_option("--scan", picture.scan,
+                   "the scan artifact, for keyframes and lines (default: ../import/scan.safetensors)");
     if (!parse_arguments(app, arguments)) return 0;
     const fs::path path = file;
     if (!fs::is_regular_file(path)) throw InputError(fmt::format("{}: no such file", file));
     const Artifact artifact = read_artifact(path);
     const std::string payload = read_artifact_header(path).payload;
+    if (!picture.picture.empty()) {
+        write_png(picture.picture, draw_picture(path, artifact.schema, picture));
+        fmt::print("{}\n", picture.picture);
+        return 0;
+    }
     const bool is_metrics = artifact.schema == "metrics";
     if (as_json) {
         Json json = artifact_json(artifact, payload);
