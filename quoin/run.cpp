@@ -3,6 +3,7 @@
 #include "quoin/command_line.h"
 #include "quoin/options.h"
 #include "quoin/plan_table.h"
+#include "quoin/report_sources.h"
 
 #include <fmt/format.h>
 
@@ -11,11 +12,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// stdout is for results: where the models are.
+// Summary and report beside each model; stdout is for results: where the models are.
 void print_results(const Graph& graph, const std::vector<NamedScan>& scans, const Layout& layout)
 {
     for (const auto& scan : scans) {
         const auto summary = write_summary(graph, scan.name, layout);
+        if (summary) write_report(graph, scan, layout, report_page(layout, scan.name));
         const fs::path place = summary ? summary->parent_path() : layout.scan_folder(scan.name);
         fmt::print("{}\n", place.lexically_proximate(fs::current_path()).string());
     }

@@ -78,6 +78,35 @@ TEST_F(EndToEnd, MakesAModelWithASummaryOfEveryStage)
         EXPECT_THAT(summary, HasSubstr(key));
 }
 
+TEST_F(EndToEnd, WritesAReportBesideTheModel)
+{
+    const std::string page = read_text(path("one/room/report.html"));
+    for (const char* part : {"\"optimize-texture\"", "texture.photograph", "id=\"page-0-color\"",
+                             "id=\"array-dense-face\"", "id=\"photograph-0\"", "id=\"array-lines\"", "model/model.glb"})
+        EXPECT_THAT(page.find(part), Not(std::string::npos)) << part;
+    const auto written = fs::last_write_time(path("one/room/report.html"));
+    EXPECT_EQ(in_folder(kBin + "/quoin report --scan room --out one").output, "one/room/report.html\n");
+    EXPECT_EQ(fs::last_write_time(path("one/room/report.html")), written) << "nothing has changed";
+    const CommandResult elsewhere = in_folder(kBin + "/quoin report --scan room --out page.html --results one");
+    EXPECT_EQ(elsewhere.exit_code, 0) << elsewhere.output;
+    EXPECT_GT(fs::file_size(path("page.html")), 100000U);
+    EXPECT_EQ(in_folder(kBin + "/quoin report --scan room --out nowhere").exit_code, 3);
+}
+
+TEST_F(EndToEnd, DrawsEveryArtifactThatHasAPicture)
+{
+    for (const std::string file : {"import/scan", "fuse/mesh", "select-keyframes/keyframes", "merge/plane_mesh",
+                                   "detect-lines/lines", "optimize-texture/alignment", "bake-texture/textured_mesh"}) {
+        const CommandResult drawn =
+            in_folder(kBin + "/quoin inspect one/room/" + file + ".safetensors --picture picture.png --scan-root room");
+        EXPECT_EQ(drawn.exit_code, 0) << drawn.output;
+        EXPECT_GT(fs::file_size(path("picture.png")), 5000U) << file;
+    }
+    const std::string inspect = kBin + "/quoin inspect one/room/";
+    EXPECT_EQ(in_folder(inspect + "evaluate/metrics.safetensors --picture p.png").exit_code, 2);
+    EXPECT_THAT(in_folder(inspect + "detect-lines/lines.safetensors --picture p.png").output, HasSubstr("--scan-root"));
+}
+
 TEST_F(EndToEnd, FindsItsOwnPipelinesAndParameterSetsValid)
 {
     for (const std::string pipeline : {"indoor", "paper"})
