@@ -57,6 +57,6 @@ function(quoin_test name)
     target_link_libraries(test_${name} PRIVATE quoin_${name} ${arg_DEPENDS} ${arg_LINK} GTest::gmock GTest::gtest_main)
     target_compile_definitions(test_${name} PRIVATE
         QUOIN_SOURCE_DIR="${CMAKE_SOURCE_DIR}" QUOIN_BINARY_DIR="${CMAKE_BINARY_DIR}")
-    gtest_discover_tests(test_${name} TEST_PREFIX ${name}/ DISCOVERY_MODE PRE_TEST
+    gtest_discover_tests(test_${name} TEST_PREFIX ${name}/ DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 120
         PROPERTIES TIMEOUT 600 SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
 endfunction()
