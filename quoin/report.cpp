@@ -29,6 +29,7 @@ int report_verb(const Arguments& arguments)
     PlaceOptions place;
     std::string results = "out";
     pipeline.add_to(app);
+    pipeline.add_variant_to(app);
     place.add_to(app);
     app.get_option("--out")->description("the --out of `quoin run`, or the FILE.html to write");
     app.add_option("--results", results, "the --out of `quoin run`, when --out names the page")->capture_default_str();

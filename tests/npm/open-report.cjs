@@ -7,6 +7,7 @@ const path = require('path');
 const { chromium } = require('playwright-core');
 
 const BROWSER = process.env.QUOIN_CHROMIUM || '/usr/bin/chromium';
+const PATIENCE = 240000; // [ms] a loaded machine draws slowly without a graphics card
 const FLAGS = ['--no-sandbox', '--disable-gpu', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic', '--no-first-run',
     '--disable-background-networking', '--disable-component-update', '--disable-sync'];
 
@@ -70,17 +71,18 @@ async function main() {
     const options = parse(process.argv.slice(2));
     const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'quoin-browser-'));
     const browser = await chromium.launchPersistentContext(folder, {
-        executablePath: BROWSER, headless: true, args: FLAGS, offline: true, viewport: options.size, colorScheme: options.dark ? 'dark' : 'light',
+        executablePath: BROWSER, headless: true, args: FLAGS, offline: true, timeout: PATIENCE, viewport: options.size, colorScheme: options.dark ? 'dark' : 'light',
     });
     const result = { errors: [], requests: [] };
     try {
+        browser.setDefaultTimeout(PATIENCE);
         const page = await browser.newPage();
         page.on('console', (message) => { if (['error', 'warning'].includes(message.type()) && !/GPU stall/.test(message.text())) result.errors.push(message.text()); });
         page.on('pageerror', (error) => result.errors.push(String(error)));
         page.on('request', (request) => { if (!/^(file|data|blob):/.test(request.url())) result.requests.push(request.url()); });
         const shot = async (name) => { if (options.shots) await page.screenshot({ path: path.join(options.shots, `${name}.png`) }); };
         await page.goto(`file://${options.file}`);
-        await page.waitForFunction(() => window.quoin || /cannot be shown/.test(document.getElementById('readout').textContent), null, { timeout: 120000 });
+        await page.waitForFunction(() => window.quoin || /cannot be shown/.test(document.getElementById('readout').textContent));
         result.readout = await page.locator('#readout').textContent();
         result.first = await look(page);
         await shot('first');

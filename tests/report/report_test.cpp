@@ -12,6 +12,7 @@
 #include <fstream>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
 namespace quoin {
 namespace {
@@ -114,8 +115,8 @@ Opened open_page(const fs::path& page, const std::string& options = "")
     if (!fs::exists(kNpm + "/node_modules/playwright-core")) return {{}, "run `npm ci` in tests/npm to check reports"};
     if (is_missing("chromium")) return {{}, "chromium is not installed"};
     const auto result =
-        test::run_command("node '" + kNpm + "/open-report.cjs' '" + page.string() + "' " + options + " 2>/dev/null");
-    EXPECT_EQ(result.exit_code, 0) << result.output;
+        test::run_command("node '" + kNpm + "/open-report.cjs' '" + page.string() + "' " + options);
+    if (result.exit_code != 0) throw std::runtime_error("open-report.cjs: " + result.output);
     return {nlohmann::json::parse(result.output, nullptr, false), ""};
 }
 
