@@ -100,6 +100,28 @@ Eigen::Vector3d center_of(const TriangleMesh& mesh)
     return box.isEmpty() ? Eigen::Vector3d::Zero() : Eigen::Vector3d(box.center().cast<double>());
 }
 
+bool faces_away(const Cluster& part, const Eigen::Vector3f& facing, const MergeLimits& limits)
+{
+    return part.facing.dot(facing) < static_cast<float>(limits.min_part_cosine) * part.facing.norm() * facing.norm();
+}
+
+// Is the RMS distance of the union, and of both parts, to the union's plane at most max_error? Planes are fitted only
+// where bounds leave it open: the variance of the union lies between those of its invariants, and no part exceeds that
+// of the union by more than the ratio of the areas.
+bool parts_fit(const Moments& a, const Moments& b, const Moments& sum, double max_error)
+{
+    const double max_variance = max_error * max_error;
+    const Invariants i = invariants(sum);
+    const double smaller = std::min(a.area, b.area);
+    if (i.most_variance() * sum.area <= max_variance * smaller) return true;
+    if (i.least_variance() > max_variance) return false;
+    const double variance = smallest_eigenvalue(sum.central()) / sum.area;
+    if (variance > max_variance) return false;
+    if (variance * sum.area <= max_variance * smaller) return true;
+    const Plane plane = fit_plane(sum);
+    return rms_to_plane(a, plane) <= max_error && rms_to_plane(b, plane) <= max_error;
+}
+
 } // namespace
 
 ClusterGraph clusters_of_faces(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite,
@@ -127,22 +149,20 @@ ClusterGraph clusters_of_faces(const TriangleMesh& mesh, const std::vector<std::
     return graph;
 }
 
-bool within_limits(const Moments& sum, const Eigen::Vector3f& facing, const MergeLimits& limits)
+bool may_join(const Cluster& a, const Cluster& b, const MergeLimits& limits)
 {
+    const Moments sum = a.sum + b.sum;
+    const Eigen::Vector3f facing = a.facing + b.facing;
     if (facing.norm() < limits.min_facing * sum.area) return false;
-    if (!std::isfinite(limits.max_error)) return true;
-    const Invariants i = invariants(sum);
-    const double max_variance = limits.max_error * limits.max_error;
-    if (i.most_variance() <= max_variance) return true;
-    return i.least_variance() <= max_variance && rms_to_fit(sum) <= limits.max_error;
+    if (faces_away(a, facing, limits) || faces_away(b, facing, limits)) return false;
+    return !std::isfinite(limits.max_error) || parts_fit(a.sum, b.sum, sum, limits.max_error);
 }
 
 double merge_cost(const ClusterGraph& graph, ClusterId a, ClusterId b)
 {
     const Cluster &x = graph.cluster[a], &y = graph.cluster[b];
-    const Moments sum = x.sum + y.sum;
-    if (!within_limits(sum, x.facing + y.facing, graph.limits)) return kForbidden;
-    const double cost = pca_energy(sum, graph.limits.flat_variance) - x.energy - y.energy;
+    if (!may_join(x, y, graph.limits)) return kForbidden;
+    const double cost = pca_energy(x.sum + y.sum, graph.limits.flat_variance) - x.energy - y.energy;
     return std::isfinite(cost) ? cost : kForbidden;
 }
 

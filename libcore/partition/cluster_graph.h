@@ -28,6 +28,7 @@ inline constexpr double kForbidden = std::numeric_limits<double>::infinity();
 struct MergeLimits {
     double max_error = kForbidden; // largest RMS distance of a union to its plane [m]
     double min_facing = 0.0;       // least |facing| / area of a union
+    double min_part_cosine = -1.0; // least cosine between the facing of either part and that of their union
     double flat_variance = 0.0;    // [m^2], see pca_energy
 };
 
@@ -46,7 +47,9 @@ ClusterGraph clusters_of_faces(const TriangleMesh& mesh, const std::vector<std::
 
 // E(a + b) - E(a) - E(b) [m^4], or kForbidden where the union breaks a limit.
 double merge_cost(const ClusterGraph& graph, ClusterId a, ClusterId b);
-bool within_limits(const Moments& sum, const Eigen::Vector3f& facing, const MergeLimits& limits);
+// May they be one plane? Each part is asked too, not only their union: in the sums of a wall a mug that hangs on it, or
+// the few faces of a fold, vanish.
+bool may_join(const Cluster& a, const Cluster& b, const MergeLimits& limits);
 
 // b becomes a part of a; edges stay as they are.
 void join(ClusterGraph& graph, ClusterId a, ClusterId b);

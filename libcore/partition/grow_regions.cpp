@@ -50,7 +50,7 @@ bool fits(const ClusterGraph& graph, const Region& region, FaceId f, const Regio
     const Cluster &cluster = graph.cluster[region.root], &face = graph.cluster[f];
     const double cosine = region.plane.normal.dot(face.facing.cast<double>()) / face.facing.norm();
     return cosine >= limits.min_cosine && rms_to_plane(face.sum, region.plane) <= limits.max_distance &&
-           within_limits(cluster.sum + face.sum, cluster.facing + face.facing, graph.limits);
+           may_join(cluster, face, graph.limits);
 }
 
 void grow_from(ClusterGraph& graph, FaceId seed, const std::vector<std::uint32_t>& opposite, const RegionLimits& limits,

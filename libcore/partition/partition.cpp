@@ -53,7 +53,9 @@ MergeLimits limits_of(const TriangleMesh& mesh, const PartitionParams& params)
         for (int k = 0; k < 3; ++k)
             box.extend(corner(mesh, f, k));
     const double rounding = kRounding * box.diagonal().norm();
-    return {params.clusters > 0 ? kForbidden : params.max_error, params.min_facing, rounding * rounding};
+    if (params.clusters > 0) return {kForbidden, params.min_facing, -1.0, rounding * rounding};
+    return {params.max_error, params.min_facing, std::cos(params.max_part_angle * std::numbers::pi / 180.0),
+            rounding * rounding};
 }
 
 std::size_t count_floaters(const TriangleMesh& mesh, double floater_area)
@@ -99,7 +101,7 @@ void refine(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite
     if (params.refine_rounds == 0) return;
     refine_borders(mesh, opposite,
                    {static_cast<double>(params.refine_rounds), params.border_distance, limits.max_error,
-                    limits.min_facing, limits.flat_variance},
+                    limits.min_facing, limits.min_part_cosine, limits.flat_variance},
                    face_plane);
 }
 

@@ -17,6 +17,7 @@ struct PartitionParams {
     double max_error = 0.008;
     GrowthMethod method = GrowthMethod::Hybrid;
     double min_facing = 0.5;
+    double max_part_angle = 80.0;
     int round_faces = 8;
     int round_reserve = 5;
     double grow_angle = 30.0;
@@ -32,7 +33,8 @@ struct PartitionParams {
             Param{"clusters", &P::clusters, "", "clusters to stop at; 0 = stop by max_error instead", 0.0, 1e9},
             Param{"floater_area", &P::floater_area, "m^2",
                   "components of the mesh with less area do not count as clusters", 0.0, 1e3},
-            Param{"max_error", &P::max_error, "m", "largest RMS distance of a cluster to its plane while clusters = 0",
+            Param{"max_error", &P::max_error, "m",
+                  "largest RMS distance of a cluster, and of the parts it grows from, to its plane while clusters = 0",
                   0.0, 1.0},
             Param{"method", &P::method, "",
                   "how clusters grow: exact greedy, mutual best neighbours then exact greedy, or from seeds then exact "
@@ -41,6 +43,10 @@ struct PartitionParams {
                 "min_facing", &P::min_facing, "",
                 "least length of a cluster's mean face normal, so that no cluster holds both sides of a sheet; 0 = off",
                 0.0, 1.0},
+            Param{"max_part_angle", &P::max_part_angle, "deg",
+                  "largest angle between the mean normals of a cluster and of either part it grows from while clusters "
+                  "= 0",
+                  0.0, 180.0},
             Param{"round_faces", &P::round_faces, "",
                   "hybrid: mean faces of a cluster at which the exact greedy phase takes over", 1.0, 1e6},
             Param{"round_reserve", &P::round_reserve, "",

@@ -172,7 +172,9 @@ private:
     {
         const Region& target = regions_[to];
         const Moments sum = target.sum + moments(f);
-        if ((target.facing + 0.5 * area_vector(mesh_, f)).norm() < limits_.min_facing * sum.area) return false;
+        const Eigen::Vector3d face = 0.5 * area_vector(mesh_, f), facing = target.facing + face;
+        if (facing.norm() < limits_.min_facing * sum.area) return false;
+        if (face.dot(facing) < limits_.min_part_cosine * face.norm() * facing.norm()) return false;
         if (!std::isfinite(limits_.max_error)) return true;
         return rms_to_fit(sum) <= std::max(limits_.max_error, rms_to_fit(target.sum));
     }

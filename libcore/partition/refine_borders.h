@@ -13,7 +13,8 @@ struct RefineLimits {
     double border_distance = 0.0; // [m], see border_weight
     double max_error = 0.0;       // a move that raises a cluster's RMS distance beyond is refused [m]
     double min_facing = 0.0;
-    double flat_variance = 0.0; // [m^2]
+    double min_part_cosine = -1.0; // a face moves to no cluster that faces away from it by more
+    double flat_variance = 0.0;    // [m^2]
 };
 
 // Lowers  sum of E(C) + border_weight * length of all borders  by single moves, one after the other, each with the sums
