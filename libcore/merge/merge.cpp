@@ -93,6 +93,7 @@ Rule island_rule(const NeighbourGraph& graph, const MergeParams& params)
     return [&graph, &params](PlaneId large, PlaneId small) -> std::optional<double> {
         const auto& island = graph.cluster(small);
         if (island.sum.area > params.island_max_area) return {};
+        if (cosine_between(graph, large, small) < cosine_of(params.island_max_angle)) return {};
         double border = island.mesh_border;
         for (const auto& [other, length] : graph.borders(small))
             border += length;
@@ -106,6 +107,7 @@ Rule absorb_rule(const NeighbourGraph& graph, const MergeParams& params)
 {
     return [&graph, &params](PlaneId large, PlaneId small) -> std::optional<double> {
         if (graph.cluster(small).sum.area >= params.absorb_area) return {};
+        if (cosine_between(graph, large, small) < cosine_of(params.absorb_max_angle)) return {};
         const double distance = distance_to(graph, large, small);
         return distance <= params.absorb_max_distance ? std::optional(distance) : std::nullopt;
     };

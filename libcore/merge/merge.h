@@ -19,10 +19,12 @@ struct MergeParams {
     bool island_rule = true;
     double island_border_share = 0.8;
     double island_max_distance = 0.02;
+    double island_max_angle = 80.0;
     double island_max_area = 0.02;
     bool absorb_rule = true;
     double absorb_area = 0.003;
     double absorb_max_distance = 0.02;
+    double absorb_max_angle = 80.0;
     int robust_rounds = 5;
     double tukey = 4.685;
 
@@ -54,6 +56,8 @@ struct MergeParams {
                   "island rule: least share of the small cluster's border with that one neighbour", 0.0, 1.0},
             Param{"island_max_distance", &P::island_max_distance, "m",
                   "island rule: largest RMS distance of the small cluster to the other's plane", 0.0, 10.0},
+            Param{"island_max_angle", &P::island_max_angle, "deg", "island rule: largest angle between the normals",
+                  0.0, 180.0},
             Param{"island_max_area", &P::island_max_area, "m^2", "island rule: largest area of the small cluster", 0.0,
                   100.0},
             Param{"absorb_rule", &P::absorb_rule, "",
@@ -61,6 +65,9 @@ struct MergeParams {
             Param{"absorb_area", &P::absorb_area, "m^2", "absorption: clusters of less area are tiny", 0.0, 100.0},
             Param{"absorb_max_distance", &P::absorb_max_distance, "m",
                   "absorption: largest RMS distance of the tiny cluster to the neighbour's plane", 0.0, 10.0},
+            Param{"absorb_max_angle", &P::absorb_max_angle, "deg",
+                  "absorption: largest angle between the normals, or faces would look away from their plane", 0.0,
+                  180.0},
             Param{"robust_rounds", &P::robust_rounds, "",
                   "reweightings of the plane fit of joined clusters; 0 = least squares", 0.0, 100.0},
             Param{"tukey", &P::tukey, "",
