@@ -206,6 +206,7 @@ void clean_input(PlaneMesh& mesh, const SimplifyParams& params)
     const auto repeated = repeated_faces(mesh.mesh);
     keep_faces(mesh, [&](FaceId f) { return repeated[f] == 0; });
     mesh.mesh.normal.clear();
+    FanSplitter(mesh).split();
     mesh.vertex_class = classify_vertices(mesh.mesh, mesh.face_plane);
 }
 

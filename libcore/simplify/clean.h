@@ -5,11 +5,12 @@
 namespace quoin {
 
 // Vertices in one cell of a grid of params.weld_distance become one; faces that repeat a vertex, have a vertex that is
-// not finite, or the same vertices as an earlier face are dropped. Classes are found anew.
+// not finite, or the same vertices as an earlier face are dropped. Vertices are split until every edge has at most two
+// faces and every vertex one fan: at an edge of more faces those of one plane stay together. Classes are found anew.
 void clean_input(PlaneMesh& mesh, const SimplifyParams& params);
 
-// Splits vertices until every edge has at most two faces and every vertex one fan: at an edge of more faces those of
-// one plane stay together. Drops vertices and planes without faces, renumbering in order, and finds classes anew.
+// Splits vertices like clean_input(). Drops vertices and planes without faces, renumbering in order, and finds classes
+// anew.
 void finish(PlaneMesh& mesh);
 
 } // namespace quoin

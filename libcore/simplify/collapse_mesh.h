@@ -26,6 +26,7 @@ public:
     CollapseMesh(std::vector<Eigen::Vector3d> position, std::vector<Face> face);
 
     const Eigen::Vector3d& position(VertexId v) const { return position_[v]; }
+    const std::vector<Eigen::Vector3d>& positions() const { return position_; }
     void move(VertexId v, const Eigen::Vector3d& p) { position_[v] = p; }
     std::size_t vertex_count() const { return position_.size(); }
     std::size_t face_count() const { return face_.size(); } // with dead ones

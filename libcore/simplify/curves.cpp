@@ -10,6 +10,7 @@ namespace {
 struct BorderEdge {
     std::array<VertexId, 2> end{};
     std::array<PlaneId, 2> planes{kNoPlane, kNoPlane};
+    std::array<int, 2> runs{}; // of the planes' half-edges: 1 from the first end to the second
     VertexId other(VertexId v) const { return end[0] == v ? end[1] : end[0]; }
 };
 
@@ -22,8 +23,13 @@ std::vector<BorderEdge> border_edges(const PlaneMesh& mesh)
         if (o == kNonManifoldEdge || (o != kBorderEdge && o < h)) continue;
         const auto& face = mesh.mesh.face[h / 3];
         const PlaneId here = mesh.face_plane[h / 3], there = o == kBorderEdge ? kNoPlane : mesh.face_plane[o / 3];
-        if (here != there)
-            edges.push_back({{face[h % 3], face[(h % 3 + 1) % 3]}, {std::min(here, there), std::max(here, there)}});
+        if (here == there) continue;
+        const VertexId from = face[h % 3], to = face[(h % 3 + 1) % 3];
+        const int across = o == kBorderEdge ? 0 : mesh.mesh.face[o / 3][o % 3] == from ? 1 : -1;
+        if (here < there)
+            edges.push_back({{from, to}, {here, there}, {1, across}});
+        else
+            edges.push_back({{from, to}, {there, here}, {across, 1}});
     }
     return edges;
 }
@@ -73,11 +79,12 @@ private:
     void walk(VertexId start, std::uint32_t edge)
     {
         const auto first = static_cast<std::uint32_t>(curves_.size());
-        Curve curve{first, 0, first, edges_[edge].planes, false};
+        Curve curve{.first = first, .head = first, .planes = edges_[edge].planes};
         add(start);
         VertexId v = start;
         while (true) {
             used_[edge] = 1;
+            note_direction(edges_[edge], v, curve, curves_.size() == first + 1);
             v = edges_[edge].other(v);
             if (v == start && mesh_.vertex_class[v] == VertexClass::Border) {
                 curve.closed = true;
@@ -92,6 +99,15 @@ private:
         close(curve);
     }
 
+    static void note_direction(const BorderEdge& edge, VertexId from, Curve& curve, bool is_first)
+    {
+        for (std::size_t k = 0; k < 2; ++k) {
+            const int runs = edge.end[0] == from ? edge.runs[k] : -edge.runs[k];
+            if (is_first) curve.runs[k] = runs;
+            if (runs != curve.runs[k]) curve.runs[k] = 0;
+        }
+    }
+
     void add(VertexId v)
     {
         const auto slot = static_cast<std::uint32_t>(curves_.size());
@@ -99,15 +115,13 @@ private:
         curves_.point.push_back(mesh_.mesh.position[v].cast<double>());
         curves_.curve_of.push_back(static_cast<std::uint32_t>(curves_.curve.size()));
         curves_.next.push_back(slot + 1);
-        curves_.previous.push_back(slot - 1);
+        curves_.previous.push_back(slot - 1); // the ends are mended by restore()
     }
 
     void close(const Curve& curve)
     {
-        const std::uint32_t last = curve.first + curve.count - 1;
-        curves_.next[last] = curve.closed ? curve.first : Curves::kNone;
-        curves_.previous[curve.first] = curve.closed ? last : Curves::kNone;
         curves_.curve.push_back(curve);
+        curves_.restore(curves_.curve.back());
     }
 
     const PlaneMesh& mesh_;
@@ -118,6 +132,18 @@ private:
 };
 
 } // namespace
+
+void Curves::restore(Curve& c)
+{
+    const std::uint32_t last = c.first + c.count - 1;
+    for (std::uint32_t s = c.first; s <= last; ++s) {
+        next[s] = s + 1;
+        previous[s] = s - 1;
+    }
+    next[last] = c.closed ? c.first : kNone;
+    previous[c.first] = c.closed ? last : kNone;
+    c.head = c.first;
+}
 
 Curves trace_curves(const PlaneMesh& mesh) { return Tracer(mesh).trace(); }
 

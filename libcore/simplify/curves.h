@@ -13,7 +13,9 @@ struct Curve {
     std::uint32_t first = 0, count = 0;                // slots
     std::uint32_t head = 0;                            // a slot that is left; that of the first corner if there is one
     std::array<PlaneId, 2> planes{kNoPlane, kNoPlane}; // the second is kNoPlane on a mesh border
+    std::array<int, 2> runs{}; // of the planes' half-edges: 1 from slot to slot, -1 against; 0 both
     bool closed = false;
+    bool in_mesh = true; // do faces of the mesh that is simplified lie at it?
 };
 
 struct Curves {
@@ -27,6 +29,16 @@ struct Curves {
 
     std::size_t size() const { return vertex.size(); }
     bool left(std::uint32_t slot) const { return next[slot] != kNone || previous[slot] != kNone; }
+    std::uint32_t edges(const Curve& c) const
+    {
+        return c.closed ? c.count : c.count - 1;
+    } // of the mesh it was traced on
+    std::uint32_t after(const Curve& c, std::uint32_t slot) const
+    {
+        return slot + 1 == c.first + c.count ? c.first : slot + 1;
+    }
+    // All slots of a curve are left again, its points where they are now.
+    void restore(Curve& c);
 };
 
 // Curves in the order of their corners and the smallest vertex of closed ones. Edges of three or more faces are in no

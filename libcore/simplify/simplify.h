@@ -1,5 +1,6 @@
-// Fewer faces in the same planes: quadric edge contraction inside every plane, then along the borders between planes,
-// with every contraction checked against topology and orientation (Garland 1999; Wang & Guo 2019, section 3.2).
+// Fewer faces in the same planes: borders are simplified and planes filled anew between them; or, where that does not
+// go, by quadric edge contraction inside every plane, then along the borders, with every contraction checked against
+// topology and orientation (Garland 1999; Wang & Guo 2019, section 3.2).
 #pragma once
 
 #include "base/param.h"
@@ -9,11 +10,12 @@
 
 namespace quoin {
 
-enum class SimplifyMethod { Qem };
-constexpr auto choice_names(SimplifyMethod) { return std::array{"qem"}; }
+// Qem: contraction inside the planes, then along borders. Remesh: borders, then every plane filled anew between them.
+enum class SimplifyMethod { Qem, Remesh };
+constexpr auto choice_names(SimplifyMethod) { return std::array{"qem", "remesh"}; }
 
 struct SimplifyParams {
-    SimplifyMethod method = SimplifyMethod::Qem;
+    SimplifyMethod method = SimplifyMethod::Remesh;
     double max_error = 0.008;
     double max_open_error = 0.02;
     double max_inner_error = 0.01;
@@ -37,7 +39,8 @@ struct SimplifyParams {
     {
         using P = SimplifyParams;
         return std::tuple{
-            Param{"method", &P::method, "", "how faces are taken away"},
+            Param{"method", &P::method, "",
+                  "how faces are taken away: quadric contraction, or planes filled anew between simplified borders"},
             Param{"max_error", &P::max_error, "m", "how far a border between planes may move out of either plane", 0.0,
                   10.0},
             Param{"max_open_error", &P::max_open_error, "m",
@@ -65,9 +68,9 @@ struct SimplifyParams {
                   180.0},
             Param{"min_shape", &P::min_shape, "", "height over longest edge below which no contraction makes a face",
                   0.0, 0.5},
-            Param{"inner_ratio", &P::inner_ratio, "", "fraction of the vertices inside a plane that are kept at least",
-                  0.0, 1.0},
-            Param{"border_ratio", &P::border_ratio, "", "fraction of the border edges that are kept at least", 0.0,
+            Param{"inner_ratio", &P::inner_ratio, "",
+                  "qem: fraction of the vertices inside a plane that are kept at least", 0.0, 1.0},
+            Param{"border_ratio", &P::border_ratio, "", "qem: fraction of the border edges that are kept at least", 0.0,
                   1.0},
             Param{"face_weight", &P::face_weight, "", "weight of the distance to the dense faces", 0.0, 1e6},
             Param{"plane_weight", &P::plane_weight, "", "weight of the distance to the planes of the clusters", 0.0,

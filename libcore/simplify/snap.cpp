@@ -5,6 +5,7 @@
 #include "mesh/creases.h"
 #include "mesh/flip_guard.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -30,11 +31,43 @@ PlaneId plane_behind_ear(const PlaneMesh& mesh, const std::vector<std::uint32_t>
     return kNoPlane;
 }
 
-bool near_plane(const PlaneMesh& mesh, FaceId f, const Plane& plane, double distance)
+bool explained_by(const PlaneMesh& mesh, FaceId f, const Plane& plane, double distance)
 {
+    if (area_vector(mesh.mesh, f).dot(plane.normal) < 0.0) return false;
     for (int k = 0; k < 3; ++k)
         if (std::abs(plane.signed_distance(corner(mesh.mesh, f, k))) > distance) return false;
     return true;
+}
+
+void snap(PlaneMesh& mesh, VertexId v, std::span<const PlaneId> ids, const SimplifyParams& params)
+{
+    std::vector<Plane> planes;
+    for (const PlaneId p : ids)
+        planes.push_back(mesh.plane[p]);
+    const Eigen::Vector3d p = mesh.mesh.position[v].cast<double>();
+    const Eigen::Vector3d target = meet_planes(p, planes, radians(params.crease_angle)).point;
+    if ((target - p).norm() <= params.snap_distance) mesh.mesh.position[v] = target.cast<float>();
+}
+
+struct PlaneUse {
+    VertexId vertex = 0;
+    PlaneId plane = 0;
+    auto operator<=>(const PlaneUse&) const = default;
+};
+
+// Planes at the vertices of curves and of the faces of `part`, sorted, each once.
+std::vector<PlaneUse> plane_uses(const Curves& curves, const PlaneMesh& part)
+{
+    std::vector<PlaneUse> uses;
+    for (std::uint32_t s = 0; s < curves.size(); ++s)
+        for (const PlaneId p : curves.curve[curves.curve_of[s]].planes)
+            if (p != kNoPlane) uses.push_back({curves.vertex[s], p});
+    for (FaceId f = 0; f < part.mesh.face.size(); ++f)
+        for (const VertexId v : part.mesh.face[f])
+            uses.push_back({v, part.face_plane[f]});
+    std::sort(uses.begin(), uses.end());
+    uses.erase(std::unique(uses.begin(), uses.end()), uses.end());
+    return uses;
 }
 
 } // namespace
@@ -51,13 +84,14 @@ void trim_ears(PlaneMesh& mesh, const SimplifyParams& params)
         for (FaceId f = 0; f < mesh.mesh.face.size(); ++f) {
             const PlaneId plane = plane_behind_ear(mesh, opposite, f);
             if (plane == kNoPlane || size[mesh.face_plane[f]] < 2) continue;
-            if (!near_plane(mesh, f, mesh.plane[plane], params.snap_distance)) continue;
+            if (!explained_by(mesh, f, mesh.plane[plane], params.snap_distance)) continue;
             --size[mesh.face_plane[f]];
             ++size[plane];
             mesh.face_plane[f] = plane;
             changed = true;
         }
     }
+    mesh.vertex_class = classify_vertices(mesh.mesh, mesh.face_plane);
 }
 
 void snap_to_planes(PlaneMesh& mesh, const SimplifyParams& params)
@@ -66,16 +100,24 @@ void snap_to_planes(PlaneMesh& mesh, const SimplifyParams& params)
     const auto before = mesh.mesh.position;
     parallel_for(
         before.size(),
-        [&](std::size_t v) {
-            std::vector<Plane> planes;
-            for (const PlaneId p : planes_at.of(static_cast<VertexId>(v)))
-                planes.push_back(mesh.plane[p]);
-            const Eigen::Vector3d p = before[v].cast<double>();
-            const Eigen::Vector3d target = meet_planes(p, planes, radians(params.crease_angle)).point;
-            if ((target - p).norm() <= params.snap_distance) mesh.mesh.position[v] = target.cast<float>();
-        },
+        [&](std::size_t v) { snap(mesh, static_cast<VertexId>(v), planes_at.of(static_cast<VertexId>(v)), params); },
         kGrain);
     hold_back_flips(mesh, before, std::cos(radians(params.max_deviation)));
+}
+
+void snap_curves(const Curves& curves, PlaneMesh& part, const SimplifyParams& params)
+{
+    if (params.snap_distance <= 0.0) return;
+    const auto uses = plane_uses(curves, part);
+    const auto before = part.mesh.position;
+    std::vector<PlaneId> planes;
+    for (std::size_t begin = 0, end = 0; begin < uses.size(); begin = end) {
+        planes.clear();
+        for (end = begin; end < uses.size() && uses[end].vertex == uses[begin].vertex; ++end)
+            planes.push_back(uses[end].plane);
+        snap(part, uses[begin].vertex, planes, params);
+    }
+    if (!part.mesh.face.empty()) hold_back_flips(part, before, std::cos(radians(params.max_deviation)));
 }
 
 } // namespace quoin

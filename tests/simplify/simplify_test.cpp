@@ -204,6 +204,7 @@ TEST(Simplify, MeetsAFaceBudget)
 TEST(Simplify, KeepsTheFractionsAskedFor)
 {
     SimplifyParams params;
+    params.method = SimplifyMethod::Qem;
     params.inner_ratio = 0.5;
     params.border_ratio = 1.0;
     const auto mesh = l_corner(20);

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "simplify/simplify.h"
+
+namespace quoin {
+
+// Borders are simplified once for the planes on both sides, then every plane is filled with a constrained Delaunay
+// triangulation: no face inside a plane can look away from it, and none is there that its border does not ask for.
+// Planes that do not explain their faces (max_inner_error), and those whose borders cross when seen along the normal,
+// are simplified by quadrics. Requires a manifold mesh with its classes; returns one up to fans that touch.
+PlaneMesh remesh(const PlaneMesh& mesh, const SimplifyParams& params);
+
+} // namespace quoin

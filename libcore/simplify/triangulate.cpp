@@ -1,0 +1,167 @@
+#include "simplify/triangulate.h"
+
+#include <CGAL/Constrained_Delaunay_triangulation_2.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Triangulation_face_base_with_info_2.h>
+#include <CGAL/Triangulation_vertex_base_with_info_2.h>
+#include <CGAL/intersections.h>
+
+#include <algorithm>
+#include <numeric>
+
+namespace quoin {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+enum class Side : std::uint8_t { Unknown, Inside, Outside };
+using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<std::uint32_t, Kernel>;
+using FaceBase =
+    CGAL::Constrained_triangulation_face_base_2<Kernel, CGAL::Triangulation_face_base_with_info_2<Side, Kernel>>;
+using Triangulation =
+    CGAL::Constrained_Delaunay_triangulation_2<Kernel, CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>,
+                                               CGAL::No_constraint_intersection_tag>;
+using FaceHandle = Triangulation::Face_handle;
+using VertexHandle = Triangulation::Vertex_handle;
+
+Kernel::Point_2 point_of(const Outline& outline, std::uint32_t i)
+{
+    return {outline.point[i].x(), outline.point[i].y()};
+}
+
+bool on_each_other(const Outline& outline, std::uint32_t apex, std::uint32_t a, std::uint32_t b)
+{
+    const auto p = point_of(outline, apex), q = point_of(outline, a), r = point_of(outline, b);
+    return CGAL::orientation(p, q, r) == CGAL::COLLINEAR && !CGAL::collinear_are_strictly_ordered_along_line(q, p, r);
+}
+
+bool cross(const Outline& outline, std::uint32_t i, std::uint32_t j)
+{
+    const auto [a, b] = outline.segment[i];
+    const auto [c, d] = outline.segment[j];
+    if (a == c && b == d) return true;
+    if (a == d && b == c) return true;
+    if (a == c || a == d) return on_each_other(outline, a, b, a == c ? d : c);
+    if (b == c || b == d) return on_each_other(outline, b, a, b == c ? d : c);
+    return CGAL::do_intersect(Kernel::Segment_2(point_of(outline, a), point_of(outline, b)),
+                              Kernel::Segment_2(point_of(outline, c), point_of(outline, d)));
+}
+
+// Points and constraints; false if these do not make a triangulation with just these vertices and edges.
+bool insert(const Outline& outline, Triangulation& triangulation, std::vector<VertexHandle>& vertex)
+{
+    FaceHandle near;
+    for (std::uint32_t i = 0; i < outline.point.size(); ++i) { // one by one: CGAL shuffles ranges
+        vertex.push_back(triangulation.insert(point_of(outline, i), near));
+        vertex.back()->info() = i;
+        near = vertex.back()->face();
+    }
+    if (triangulation.number_of_vertices() != outline.point.size()) return false;
+    for (const auto& [a, b] : outline.segment)
+        triangulation.insert_constraint(vertex[a], vertex[b]);
+    return triangulation.dimension() == 2;
+}
+
+bool mark(FaceHandle face, Side side)
+{
+    if (face->info() != Side::Unknown) return face->info() == side;
+    face->info() = side;
+    return true;
+}
+
+// Marks the faces to both sides of the segments; false where two of them contradict each other.
+bool mark_along_segments(const Outline& outline, const std::vector<VertexHandle>& vertex,
+                         const Triangulation& triangulation)
+{
+    for (const auto& [a, b] : outline.segment) {
+        FaceHandle face;
+        int i = 0;
+        if (!triangulation.is_edge(vertex[a], vertex[b], face, i)) return false; // it runs through a third point
+        const FaceHandle other = face->neighbor(i);
+        const bool left = face->vertex(Triangulation::ccw(i)) == vertex[a];
+        if (!mark(left ? face : other, Side::Inside) || !mark(left ? other : face, Side::Outside)) return false;
+    }
+    return true;
+}
+
+// Spreads the marks to where no segment is between; false where they meet others.
+bool spread_marks(Triangulation& triangulation)
+{
+    std::vector<FaceHandle> stack;
+    for (const auto face : triangulation.all_face_handles())
+        if (face->info() != Side::Unknown) stack.push_back(face);
+    while (!stack.empty()) {
+        const FaceHandle face = stack.back();
+        stack.pop_back();
+        for (int i = 0; i < 3; ++i) {
+            if (face->is_constrained(i)) continue;
+            const FaceHandle next = face->neighbor(i);
+            if (next->info() == Side::Unknown) {
+                next->info() = face->info();
+                stack.push_back(next);
+            }
+            if (next->info() != face->info()) return false;
+        }
+    }
+    return triangulation.infinite_face()->info() == Side::Outside;
+}
+
+std::vector<Face> inside_faces(const Triangulation& triangulation)
+{
+    std::vector<Face> faces;
+    for (const auto face : triangulation.finite_face_handles()) {
+        if (face->info() != Side::Inside) continue;
+        Face ids{face->vertex(0)->info(), face->vertex(1)->info(), face->vertex(2)->info()};
+        std::rotate(ids.begin(), std::min_element(ids.begin(), ids.end()), ids.end());
+        faces.push_back(ids);
+    }
+    std::sort(faces.begin(), faces.end());
+    return faces;
+}
+
+} // namespace
+
+std::vector<std::array<std::uint32_t, 2>> crossings(const Outline& outline)
+{
+    struct Extent {
+        double low_x, high_x, low_y, high_y;
+    };
+    std::vector<Extent> extent;
+    for (const auto& [a, b] : outline.segment) {
+        const auto &p = outline.point[a], &q = outline.point[b];
+        extent.push_back(
+            {std::min(p.x(), q.x()), std::max(p.x(), q.x()), std::min(p.y(), q.y()), std::max(p.y(), q.y())});
+    }
+    std::vector<std::uint32_t> order(extent.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
+        return std::pair(extent[i].low_x, i) < std::pair(extent[j].low_x, j);
+    });
+    std::vector<std::array<std::uint32_t, 2>> found;
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        const Extent& e = extent[order[i]];
+        for (std::size_t j = i + 1; j < order.size() && extent[order[j]].low_x <= e.high_x; ++j) {
+            const Extent& other = extent[order[j]];
+            if (other.low_y > e.high_y || other.high_y < e.low_y) continue;
+            if (cross(outline, order[i], order[j])) found.push_back({order[i], order[j]});
+        }
+    }
+    return found;
+}
+
+std::optional<std::vector<Face>> triangulate(const Outline& outline)
+{
+    if (outline.segment.size() < 3) return {};
+    Triangulation triangulation;
+    std::vector<VertexHandle> vertex; // one a point
+    try {
+        if (!insert(outline, triangulation, vertex)) return {};
+    } catch (const Triangulation::Intersection_of_constraints_exception&) {
+        return {};
+    }
+    for (const auto face : triangulation.all_face_handles())
+        face->info() = Side::Unknown;
+    if (!mark_along_segments(outline, vertex, triangulation) || !spread_marks(triangulation)) return {};
+    return inside_faces(triangulation);
+}
+
+} // namespace quoin

@@ -1,0 +1,25 @@
+// Triangles between the borders of one plane.
+#pragma once
+
+#include "mesh/triangle_mesh.h"
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace quoin {
+
+// Border segments in the coordinates of their plane; the inside is to the left. Ends are indices of points.
+struct Outline {
+    std::vector<Eigen::Vector2d> point;
+    std::vector<std::array<std::uint32_t, 2>> segment;
+};
+
+// Pairs of segments that touch outside a common end; of two with a common end, those that lie on each other. Exact.
+std::vector<std::array<std::uint32_t, 2>> crossings(const Outline& outline);
+
+// Constrained Delaunay triangulation of the inside, counter-clockwise; nothing where the segments bound no inside: they
+// cross, or do not agree about which side it is on.
+std::optional<std::vector<Face>> triangulate(const Outline& outline);
+
+} // namespace quoin
