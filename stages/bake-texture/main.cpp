@@ -1,5 +1,6 @@
 #include "bake/bake_texture.h"
 
+#include "schema/filled_schema.h"
 #include "schema/schema.h"
 #include "stage/stage.h"
 
@@ -11,7 +12,7 @@ int main(int argc, char** argv)
     const Stage stage{
         .name = "bake-texture",
         .summary = "lays every plane flat on an atlas and gives it its final colours",
-        .impl_version = 1,
+        .impl_version = 2,
         .inputs = {{"scan", "frames and cameras"},
                    {"keyframes", "the frames that colours come from"},
                    {"plane_mesh", "the planes to texture"},
@@ -29,6 +30,8 @@ int main(int argc, char** argv)
         const Alignment alignment = read_alignment(run.in("alignment"));
         const auto dense = run.has("mesh") ? std::optional(read_mesh(run.in("mesh"))) : std::nullopt;
         run.write("textured_mesh",
-                  bake_texture({images, keyframes, planes, alignment, dense ? &*dense : nullptr}, params));
+                  Filled<TexturedMesh>{
+                      bake_texture({images, keyframes, planes, alignment, dense ? &*dense : nullptr}, params),
+                      read_face_filled(run.in("plane_mesh"))});
     });
 }
