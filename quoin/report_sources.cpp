@@ -4,6 +4,7 @@
 #include "base/atomic_file.h"
 #include "pipeline/run_record.h"
 #include "report/report.h"
+#include "schema/filled_schema.h"
 #include "schema/schema.h"
 
 #include <fmt/format.h>
@@ -134,6 +135,8 @@ bool write_report(const Graph& graph, const NamedScan& named, const Layout& layo
     parts.alignment = pointer(alignment);
     parts.lines = pointer(lines);
     parts.metrics = pointer(metrics);
+    if (const auto model_file = find(textured ? "textured_mesh" : "plane_mesh"))
+        parts.face_filled = read_face_filled(*model_file);
     parts.stages = stage_figures(graph, named.name, layout);
     write_atomically(page, std::string_view(make_report(parts)));
     return true;

@@ -12,13 +12,16 @@ using Json = nlohmann::ordered_json;
 Json summary_of(const ReportParts& parts)
 {
     const PlaneMesh& model = *parts.model();
-    double area = 0.0;
-    for (FaceId f = 0; f < model.mesh.face.size(); ++f)
+    double area = 0.0, filled_area = 0.0;
+    for (FaceId f = 0; f < model.mesh.face.size(); ++f) {
         area += face_area(model.mesh, f);
+        if (!parts.face_filled.empty() && parts.face_filled[f] != 0) filled_area += face_area(model.mesh, f);
+    }
     Json summary{{"vertices", model.mesh.position.size()},
                  {"faces", model.mesh.face.size()},
                  {"planes", model.plane.size()},
-                 {"area", area}};
+                 {"area", area},
+                 {"filled_area", filled_area}};
     if (parts.dense) summary["dense_faces"] = parts.dense->face.size();
     if (parts.scan) summary["frames"] = parts.scan->frames.size();
     if (parts.keyframes) summary["keyframes"] = parts.keyframes->frame.size();

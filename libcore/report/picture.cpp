@@ -36,6 +36,17 @@ Vector3d guess_up(const TriangleMesh& mesh)
     return sum.norm() > kLeast * area ? Vector3d(sum.normalized()) : Vector3d(Vector3d::UnitZ());
 }
 
+// A level direction that hardly changes with `up`, from a corner of a room whose walls run along the axes.
+Vector3d side_of(const Vector3d& up)
+{
+    constexpr double kTurn = 35.0 * std::numbers::pi / 180.0;
+    Eigen::Index axis = 0;
+    up.cwiseAbs().maxCoeff(&axis);
+    const Eigen::Index side = (axis + 1) % 3;
+    const Vector3d level = (Vector3d::Unit(side) - up[side] * up).normalized();
+    return Eigen::AngleAxisd(kTurn, up) * level;
+}
+
 // From above one corner, everything in the picture.
 View overview(const TriangleMesh& mesh, const PictureSize& size)
 {
@@ -44,7 +55,7 @@ View overview(const TriangleMesh& mesh, const PictureSize& size)
     for (const auto& face : mesh.face)
         for (const VertexId v : face)
             box.extend(mesh.position[v].cast<double>());
-    const Vector3d up = guess_up(mesh), level = up.unitOrthogonal();
+    const Vector3d up = guess_up(mesh), level = side_of(up);
     const Vector3d back = std::cos(elevation) * level + std::sin(elevation) * up, right = up.cross(back).normalized();
     const double radius = box.sizes().norm() / 2.0;
     Rigid world_from_camera = Rigid::Identity();

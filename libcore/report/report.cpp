@@ -24,6 +24,8 @@ void check(const ReportParts& parts)
         throw InputError(
             fmt::format("{}: found {}, expected {}; give the artifacts of one pipeline run", what, found, expected));
     };
+    if (!parts.face_filled.empty() && parts.face_filled.size() != parts.model()->mesh.face.size())
+        refuse("marks of closed holes, one a face", parts.face_filled.size(), parts.model()->mesh.face.size());
     if (!parts.scan || !parts.keyframes) return;
     const std::size_t frames = parts.scan->frames.size(), keyframes = parts.keyframes->frame.size();
     if (parts.keyframes->reason.size() != frames || parts.keyframes->blur.size() != frames)

@@ -38,6 +38,7 @@ struct ReportParts {
     const LineMatches* lines = nullptr;
     const Metrics* metrics = nullptr;
     std::vector<StageFigures> stages;
+    std::vector<std::uint8_t> face_filled; // of the model; 1 = closes a hole
 
     const PlaneMesh* model() const { return textured ? &textured->planes : planes; }
 };

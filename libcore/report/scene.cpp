@@ -120,6 +120,7 @@ void add_cameras(const ReportParts& parts, Json& data)
 void add_scene(const ReportParts& parts, const ReportLimits& limits, Json& data, PageArrays& arrays)
 {
     add_model(*parts.model(), parts.model_from_world, data, arrays);
+    if (!parts.face_filled.empty()) arrays.add("model-face-filled", "u8", parts.face_filled);
     if (parts.textured) add_texture(*parts.textured, data, arrays);
     if (parts.dense && !parts.dense->face.empty())
         add_dense(coarsen(*parts.dense, limits.dense_faces), parts.model_from_world, data, arrays);

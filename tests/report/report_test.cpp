@@ -70,6 +70,8 @@ struct Example {
         dense.color.assign(dense.position.size(), {200, 60, 60});
         for (auto& face : dense.face)
             std::swap(face[1], face[2]);
+        parts.face_filled.assign(room.planes.mesh.face.size(), 0);
+        parts.face_filled[0] = 1;
         scan.color = scan.depth = {640, 480, 525.0, 525.0, 319.5, 239.5};
         for (int i = 0; i < 5; ++i) {
             Frame frame;
@@ -84,6 +86,7 @@ struct Example {
         alignment.energy_name = {"color", "line"};
         alignment.energy = {{3.0, 0.5}, {2.0, 0.25}, {1.5, 0.2}};
         LineMatch line;
+        line.segment = {20.0f, 30.0f, 400.0f, 50.0f};
         line.planes = {0, 1};
         line.end_points = {Eigen::Vector3f(0.0f, 0.0f, 0.0f), Eigen::Vector3f(4.0f, 0.0f, 0.0f)};
         lines.push_back(line);
@@ -114,8 +117,7 @@ Opened open_page(const fs::path& page, const std::string& options = "")
     if (is_missing("node")) return {{}, "node is not installed"};
     if (!fs::exists(kNpm + "/node_modules/playwright-core")) return {{}, "run `npm ci` in tests/npm to check reports"};
     if (is_missing("chromium")) return {{}, "chromium is not installed"};
-    const auto result =
-        test::run_command("node '" + kNpm + "/open-report.cjs' '" + page.string() + "' " + options);
+    const auto result = test::run_command("node '" + kNpm + "/open-report.cjs' '" + page.string() + "' " + options);
     if (result.exit_code != 0) throw std::runtime_error("open-report.cjs: " + result.output);
     return {nlohmann::json::parse(result.output, nullptr, false), ""};
 }
