@@ -90,7 +90,8 @@ double add_priors(BlockEnergies& result, const AlignmentProblem& problem, const 
     const PosePrior prior = pose_prior(problem.scene.params);
     double sum = calibration_prior(problem.scene.params, state.color, problem.input.color).cost;
     for (std::size_t k = 0; k < state.camera_from_world.size(); ++k) {
-        const double cost = prior_block(prior, state.camera_from_world[k], problem.input.camera_from_world[k]).cost;
+        const PoseBlock block = prior_block(prior, state.camera_from_world[k], problem.input.camera_from_world[k]);
+        const double cost = problem.prior_weight[k] * block.cost;
         result.of_frame[k] += cost;
         sum += cost;
     }

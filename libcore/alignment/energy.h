@@ -26,6 +26,7 @@ struct AlignmentProblem {
     AlignmentState input;                    // where the priors pull to
     std::vector<std::uint8_t> frame_is_free; // K; others keep their pose
     std::vector<std::uint8_t> plane_is_free; // P
+    std::vector<double> prior_weight;        // K, of the pull to the input pose
 };
 
 // Weighted sums of each term.

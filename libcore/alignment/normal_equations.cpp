@@ -153,8 +153,8 @@ void add_priors(NormalEquations& eq, const AlignmentState& state)
     eq.gradient = StepVector::Zero(eq.layout.size());
     for (std::size_t k = 0; k < eq.layout.frames; ++k) {
         const PoseBlock block = prior_block(prior, state.camera_from_world[k], problem.input.camera_from_world[k]);
-        eq.pose_prior.push_back(block.H);
-        eq.gradient.segment<6>(eq.layout.pose(k)) += block.g;
+        eq.pose_prior.push_back(problem.prior_weight[k] * block.H);
+        eq.gradient.segment<6>(eq.layout.pose(k)) += problem.prior_weight[k] * block.g;
     }
     const double weight = problem.lambda_p / (params.sigma_plane * params.sigma_plane);
     for (std::size_t p = 0; p < eq.layout.planes; ++p) {

@@ -64,7 +64,7 @@ struct OptimizeTextureParams {
 
     double sigma_color = 0.02;
     double huber_color = 0.03;
-    double sigma_plane = 0.03;
+    double sigma_plane = 0.01;
     double sigma_line = 1.0;
     double huber_line = 2.0;
     double depth_noise = 0.0012;
@@ -72,6 +72,7 @@ struct OptimizeTextureParams {
     double huber_depth = 0.7;
     double prior_translation = 0.02;
     double prior_rotation = 1.0;
+    double shared_errors = 4.0;
     double exposure_prior = 0.0003;
     int exposure_rounds = 3;
     double prior_focal = 0.03;
@@ -154,6 +155,9 @@ struct OptimizeTextureParams {
                   1e9},
             Param{"prior_translation", &P::prior_translation, "m", "expected error of the input positions", 1e-6, 1e6},
             Param{"prior_rotation", &P::prior_rotation, "deg", "expected error of the input rotations", 1e-6, 1e6},
+            Param{"shared_errors", &P::shared_errors, "",
+                  "so many observations of a frame err together: the pull to its input pose counts once for each lot",
+                  1.0, 1e9},
             Param{"exposure_prior", &P::exposure_prior, "",
                   "pull of the gains to 1 and the biases to 0, per observation", 0.0, 1e6},
             Param{"exposure_rounds", &P::exposure_rounds, "", "reweighted solutions for the exposures", 1, 1000},

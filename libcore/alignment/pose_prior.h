@@ -1,4 +1,6 @@
-// Weak pull of every camera to its input pose: it holds what neither colour nor depth sees.
+// Pull of every camera to its input pose: it holds what neither colour nor depth sees. Observations of a frame share
+// errors (lens, depth bias, rough surfaces), so that thousands of them would outvote a prior that counts once and bend
+// the room along what they hardly determine, such as its scale: it counts once for every few of them.
 #pragma once
 
 #include "alignment/state.h"

@@ -1,19 +1,37 @@
 #include "alignment/problem.h"
 
+#include <algorithm>
+
 namespace quoin {
 namespace {
 
-std::vector<std::uint8_t> free_frames(const AlignmentProblem& problem)
+// Observed texels and depths of every frame.
+std::vector<std::uint32_t> observation_counts(const AlignmentProblem& problem)
+{
+    const auto count = [](const std::vector<std::uint32_t>& first, std::size_t k) { return first[k + 1] - first[k]; };
+    std::vector<std::uint32_t> counts(problem.scene.frames(), 0);
+    for (std::size_t k = 0; k < counts.size(); ++k) {
+        counts[k] = count(problem.observations.first_of_frame, k);
+        if (problem.scene.params.lambda_d > 0.0) counts[k] += count(problem.depths.first_of_frame, k);
+    }
+    return counts;
+}
+
+std::vector<std::uint8_t> free_frames(const AlignmentProblem& problem, const std::vector<std::uint32_t>& observations)
 {
     const OptimizeTextureParams& params = problem.scene.params;
-    const auto count = [](const std::vector<std::uint32_t>& first, std::size_t k) { return first[k + 1] - first[k]; };
     std::vector<std::uint8_t> is_free(problem.scene.frames(), 0);
-    for (std::size_t k = 0; k < is_free.size() && params.optimize_poses; ++k) {
-        const std::uint32_t depths = params.lambda_d > 0.0 ? count(problem.depths.first_of_frame, k) : 0;
-        is_free[k] = count(problem.observations.first_of_frame, k) + depths >=
-                     static_cast<std::uint32_t>(params.min_observations);
-    }
+    for (std::size_t k = 0; k < is_free.size() && params.optimize_poses; ++k)
+        is_free[k] = observations[k] >= static_cast<std::uint32_t>(params.min_observations);
     return is_free;
+}
+
+std::vector<double> prior_weights(const AlignmentProblem& problem, const std::vector<std::uint32_t>& observations)
+{
+    std::vector<double> weights;
+    for (const std::uint32_t count : observations)
+        weights.push_back(std::max(1.0, count / problem.scene.params.shared_errors));
+    return weights;
 }
 
 std::vector<std::uint8_t> free_planes(const AlignmentProblem& problem)
@@ -62,7 +80,8 @@ AlignmentProblem make_problem(const ProblemSource& source, const AlignmentState&
 {
     const AlignmentScene& scene = source.scene;
     AlignmentProblem problem{
-        scene, level, sample_texels(scene.mesh, spacing), {}, {}, {}, {}, {}, source.lambda_p, source.input, {}, {}};
+        scene, level, sample_texels(scene.mesh, spacing), {}, {}, {}, {}, {}, source.lambda_p, source.input, {},
+        {},    {}};
     problem.scatter = scene.params.plane_term == PlaneTermKind::Moments ? scatters_of_moments(scene.mesh, spacing)
                                                                         : scatters_of_texels(problem.texels);
     problem.observations = observe(scene, state, problem.texels, level);
@@ -74,7 +93,9 @@ AlignmentProblem make_problem(const ProblemSource& source, const AlignmentState&
     problem.depths = source.depths;
     problem.lines = source.lines;
     problem.line_depths = source.line_depths;
-    problem.frame_is_free = free_frames(problem);
+    const auto counts = observation_counts(problem);
+    problem.frame_is_free = free_frames(problem, counts);
+    problem.prior_weight = prior_weights(problem, counts);
     problem.plane_is_free = free_planes(problem);
     return problem;
 }

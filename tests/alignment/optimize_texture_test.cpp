@@ -23,6 +23,7 @@ OptimizeTextureParams small_room_params()
     params.visibility_rounds = 1;
     params.jump_radius = 1;
     params.prior_translation = 0.05;
+    params.shared_errors = 1e9; // the errors of these pixels and depths are independent
     params.calibration = CalibrationUse::Fixed;
     return params;
 }
