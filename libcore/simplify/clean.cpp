@@ -207,7 +207,6 @@ void clean_input(PlaneMesh& mesh, const SimplifyParams& params)
     keep_faces(mesh, [&](FaceId f) { return repeated[f] == 0; });
     mesh.mesh.normal.clear();
     FanSplitter(mesh).split();
-    mesh.vertex_class = classify_vertices(mesh.mesh, mesh.face_plane);
 }
 
 void finish(PlaneMesh& mesh)

@@ -61,6 +61,7 @@ PlaneMesh simplify(const PlaneMesh& mesh, const SimplifyParams& params)
     if (result.mesh.face.empty())
         throw ImpossibleError("the mesh has no face with three finite vertices; check the mesh that partition read");
     if (params.snap_distance > 0.0) trim_ears(result, params);
+    result.vertex_class = classify_vertices(result.mesh, result.face_plane);
     result = within_budget(result, params);
     finish(result);
     log_info(fmt::format("{} faces in {} planes are left of {}", result.mesh.face.size(), result.plane.size(),

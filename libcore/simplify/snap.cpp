@@ -91,7 +91,6 @@ void trim_ears(PlaneMesh& mesh, const SimplifyParams& params)
             changed = true;
         }
     }
-    mesh.vertex_class = classify_vertices(mesh.mesh, mesh.face_plane);
 }
 
 void snap_to_planes(PlaneMesh& mesh, const SimplifyParams& params)

@@ -201,6 +201,39 @@ TEST(Simplify, MeetsAFaceBudget)
     EXPECT_EQ(found.non_manifold_edges + found.bow_tie_vertices + found.duplicate_faces + found.flipped_faces, 0u);
 }
 
+TEST(Simplify, ByRemeshingNeedsNoMoreFacesThanByQuadricsAndNoneLooksAway)
+{
+    SimplifyParams params;
+    params.method = SimplifyMethod::Remesh;
+    for (unsigned seed = 0; seed < 4; ++seed) {
+        const auto noisy = with_noise(room_corner(30), 0.004f, seed);
+        const auto remeshed = simplify(noisy, params);
+        params.method = SimplifyMethod::Qem;
+        const auto contracted = simplify(noisy, params);
+        params.method = SimplifyMethod::Remesh;
+        EXPECT_TRUE(is_clean(remeshed)) << seed;
+        EXPECT_LE(remeshed.mesh.face.size(), contracted.mesh.face.size()) << seed;
+        EXPECT_LT(largest_distance_to_planes(remeshed), 0.001) << seed;
+    }
+}
+
+TEST(Simplify, FillsAHoleSmallerThanTheErrorOfOpenBordersAndNoLargerOne)
+{
+    const auto with_hole = [](double radius) {
+        auto mesh = join_sheets({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 100}});
+        std::vector<Face> kept;
+        for (const auto& face : mesh.mesh.face)
+            if ((mesh.mesh.position[face[0]].head<2>() - Eigen::Vector2f(0.5f, 0.5f)).norm() > radius)
+                kept.push_back(face);
+        mesh.mesh.face = kept;
+        mesh.face_plane.resize(kept.size());
+        mesh.vertex_class = classify_vertices(mesh.mesh, mesh.face_plane);
+        return mesh;
+    };
+    EXPECT_EQ(inspect(simplify(with_hole(0.012), {})).euler_characteristic, 1);
+    EXPECT_EQ(inspect(simplify(with_hole(0.1), {})).euler_characteristic, 0);
+}
+
 TEST(Simplify, KeepsTheFractionsAskedFor)
 {
     SimplifyParams params;
