@@ -10,7 +10,7 @@ struct MergeParams {
     bool angle_test = true;
     double max_angle = 15.0;
     bool distance_test = true;
-    double max_distance = 0.015;
+    double max_distance = 0.008;
     bool energy_rule = true;
     double max_energy_increase = 0.1;
     double energy_area_ratio = 0.1;

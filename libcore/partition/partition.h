@@ -14,7 +14,7 @@ constexpr auto choice_names(GrowthMethod) { return std::array{"heap", "hybrid", 
 struct PartitionParams {
     int clusters = 0;
     double floater_area = 0.005;
-    double max_error = 0.008;
+    double max_error = 0.005;
     GrowthMethod method = GrowthMethod::Hybrid;
     double min_facing = 0.5;
     double max_part_angle = 80.0;

@@ -328,6 +328,24 @@ TEST(Partition, OfASphereIntoOneClusterStopsWhereFacesWouldCancel)
     EXPECT_EQ(partition(mesh, params).plane.size(), 1u);
 }
 
+TEST(Partition, ASmallThingOnALargeWallKeepsItsOwnPlanes)
+{
+    // 6 cm x 6 cm, 3 cm high, on 1 m^2: it raises the wall's RMS distance by less than max_error allows.
+    const auto on_thing = [](double x, double y) { return std::abs(x - 0.5) < 0.03 && std::abs(y - 0.5) < 0.03; };
+    const TriangleMesh mesh = test::height_field(100, [&](double x, double y) { return on_thing(x, y) ? 0.03 : 0.0; });
+    const PlaneMesh result = partition(mesh, {});
+    expect_valid(mesh, result);
+    ASSERT_LT(std::sqrt(0.0036) * 0.03, PartitionParams{}.max_error);
+    std::set<PlaneId> top, wall;
+    for (FaceId f = 0; f < mesh.face.size(); ++f) {
+        const Eigen::Vector3d c = (corner(mesh, f, 0) + corner(mesh, f, 1) + corner(mesh, f, 2)) / 3.0;
+        if (c.z() > 0.029) top.insert(result.face_plane[f]);
+        if (c.z() < 0.001) wall.insert(result.face_plane[f]);
+    }
+    EXPECT_EQ(wall.size(), 1u);
+    EXPECT_EQ(top.count(*wall.begin()), 0u);
+}
+
 TEST(Partition, FloatersDoNotUseUpTheClusters)
 {
     TriangleMesh mesh = test::room_corner(16, 0.001);
