@@ -11,12 +11,12 @@ PlaneFrame::PlaneFrame(const Plane& plane, const Eigen::Vector3d& origin)
 }
 
 Outlines::Outlines(const PlaneMesh& planes, const Curves& curves, const std::vector<std::uint8_t>& skip)
-    : planes_(planes), curves_(curves), first_(planes.plane.size() + 1, 0)
+    : planes_(planes), curves_(curves), first_(planes.plane.size() + 1, 0), skip_(skip)
 {
     const auto for_planes = [&](const auto& visit) {
         for (CurveId id = 0; id < curves.curve.size(); ++id)
             for (const PlaneId p : curves.curve[id].planes)
-                if (p != kNoPlane && !skip[id]) visit(p, id);
+                if (p != kNoPlane) visit(p, id);
     };
     for_planes([&](PlaneId p, CurveId) { ++first_[p + 1]; });
     for (std::size_t p = 0; p + 1 < first_.size(); ++p)
@@ -31,6 +31,7 @@ PlaneOutline Outlines::of(PlaneId p, const std::vector<Eigen::Vector3d>& positio
     PlaneOutline result;
     std::vector<std::array<VertexId, 2>> ends;
     for (const CurveId id : curves_of(p)) {
+        if (skip_[id]) continue;
         const Curve& curve = curves_.curve[id];
         const bool along = curve.runs[curve.planes[0] == p ? 0 : 1] > 0;
         for (std::uint32_t s = curve.head; curves_.next[s] != Curves::kNone;) {

@@ -20,7 +20,7 @@ struct PlaneOutline {
 
 class Outlines {
 public:
-    // skip: curves that bound nothing any more, one a curve.
+    // skip: curves that bound nothing, one a curve; may grow.
     Outlines(const PlaneMesh& planes, const Curves& curves, const std::vector<std::uint8_t>& skip);
     std::span<const CurveId> curves_of(PlaneId p) const
     {
@@ -32,7 +32,8 @@ private:
     const PlaneMesh& planes_;
     const Curves& curves_;
     std::vector<std::uint32_t> first_; // P + 1
-    std::vector<CurveId> curve_;       // by plane
+    const std::vector<std::uint8_t>& skip_;
+    std::vector<CurveId> curve_; // by plane
 };
 
 // Coordinates in a plane, right-handed seen from where its normal points.

@@ -91,6 +91,7 @@ private:
     double length(const Curve& curve) const;
     void thin_free_curves();
     void restore(CurveId id);
+    static std::vector<PlaneOutline::Source> bad_segments(const PlaneOutline& plane);
     bool tighten(const Outlines& outlines);
     void tighten_segment(const PlaneOutline::Source& source);
     void release(std::uint32_t slot);
@@ -245,7 +246,20 @@ void Remesher::restore(CurveId id)
         position_[curves_.vertex[s]] = curves_.point[s];
 }
 
-// Takes the next step where borders of a plane cross. Is there one?
+// Borders that cross or, where none do, contradict each other.
+std::vector<PlaneOutline::Source> Remesher::bad_segments(const PlaneOutline& plane)
+{
+    std::vector<PlaneOutline::Source> bad;
+    for (const auto& pair : crossings(plane.outline))
+        for (const std::uint32_t i : pair)
+            bad.push_back(plane.source[i]);
+    if (!bad.empty()) return bad;
+    for (const std::uint32_t i : contradictions(plane.outline))
+        bad.push_back(plane.source[i]);
+    return bad;
+}
+
+// Takes the next step where borders of a plane are bad. Is there one?
 bool Remesher::tighten(const Outlines& outlines)
 {
     std::vector<std::vector<PlaneOutline::Source>> bad(mesh_.plane.size());
@@ -254,9 +268,7 @@ bool Remesher::tighten(const Outlines& outlines)
         [&](std::size_t p) {
             if (!flat_[p]) return;
             const PlaneOutline plane = outlines.of(static_cast<PlaneId>(p), position_);
-            for (const auto& pair : crossings(plane.outline))
-                for (const std::uint32_t i : pair)
-                    bad[p].push_back(plane.source[i]);
+            bad[p] = bad_segments(plane);
         },
         kPlaneGrain);
     for (const auto& sources : bad)
@@ -268,7 +280,11 @@ bool Remesher::tighten(const Outlines& outlines)
 void Remesher::tighten_segment(const PlaneOutline::Source& source)
 {
     const Curve& curve = curves_.curve[source.curve];
-    if (curve.in_mesh) return;
+    if (curve.in_mesh || filled_[source.curve]) return;
+    if (curve.closed && curve.planes[1] == kNoPlane && step_[source.from] + 1u == kTolerances.size()) {
+        filled_[source.curve] = dirty_[source.curve] = 1; // a hole that leaves no room beside it for a border
+        return;
+    }
     for (std::uint32_t s = source.from;; s = curves_.after(curve, s)) {
         if (step_[s] + 1u < kTolerances.size()) {
             bounds_.tolerance[s] = kTolerances[++step_[s]];

@@ -4,6 +4,7 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_face_base_with_info_2.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
+#include <CGAL/Unique_hash_map.h>
 #include <CGAL/intersections.h>
 
 #include <algorithm>
@@ -105,6 +106,31 @@ bool spread_marks(Triangulation& triangulation)
     return triangulation.infinite_face()->info() == Side::Outside;
 }
 
+// Numbers the regions between the segments.
+using RegionMap = CGAL::Unique_hash_map<FaceHandle, std::uint32_t>;
+RegionMap find_regions(const Triangulation& triangulation, std::uint32_t& count)
+{
+    constexpr std::uint32_t kNone = 0xffffffffu;
+    RegionMap region(kNone);
+    for (const auto start : triangulation.all_face_handles()) {
+        if (region[start] != kNone) continue;
+        std::vector<FaceHandle> stack{start};
+        region[start] = count;
+        while (!stack.empty()) {
+            const FaceHandle face = stack.back();
+            stack.pop_back();
+            for (int i = 0; i < 3; ++i) {
+                const FaceHandle next = face->neighbor(i);
+                if (face->is_constrained(i) || region[next] != kNone) continue;
+                region[next] = count;
+                stack.push_back(next);
+            }
+        }
+        ++count;
+    }
+    return region;
+}
+
 std::vector<Face> inside_faces(const Triangulation& triangulation)
 {
     std::vector<Face> faces;
@@ -145,6 +171,37 @@ std::vector<std::array<std::uint32_t, 2>> crossings(const Outline& outline)
             if (cross(outline, order[i], order[j])) found.push_back({order[i], order[j]});
         }
     }
+    return found;
+}
+
+std::vector<std::uint32_t> contradictions(const Outline& outline)
+{
+    Triangulation triangulation;
+    std::vector<VertexHandle> vertex;
+    if (outline.segment.size() < 3) return {};
+    try {
+        if (!insert(outline, triangulation, vertex)) return {};
+    } catch (const Triangulation::Intersection_of_constraints_exception&) {
+        return {};
+    }
+    std::uint32_t count = 0;
+    const RegionMap regions = find_regions(triangulation, count);
+    std::vector<int> votes(count, 0); // for the inside
+    votes[regions[triangulation.infinite_face()]] = -static_cast<int>(outline.segment.size()) - 1;
+    std::vector<std::array<std::uint32_t, 2>> sides; // regions left and right of every segment
+    for (const auto& [a, b] : outline.segment) {
+        FaceHandle face;
+        int i = 0;
+        if (!triangulation.is_edge(vertex[a], vertex[b], face, i)) return {};
+        const bool left = face->vertex(Triangulation::ccw(i)) == vertex[a];
+        const std::uint32_t one = regions[face], other = regions[face->neighbor(i)];
+        sides.push_back(left ? std::array{one, other} : std::array{other, one});
+        ++votes[sides.back()[0]];
+        --votes[sides.back()[1]];
+    }
+    std::vector<std::uint32_t> found;
+    for (std::uint32_t s = 0; s < sides.size(); ++s)
+        if (votes[sides[s][0]] <= 0 || votes[sides[s][1]] >= 0) found.push_back(s);
     return found;
 }
 

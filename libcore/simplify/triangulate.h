@@ -18,6 +18,10 @@ struct Outline {
 // Pairs of segments that touch outside a common end; of two with a common end, those that lie on each other. Exact.
 std::vector<std::array<std::uint32_t, 2>> crossings(const Outline& outline);
 
+// Where segments do not cross but contradict each other about which side is inside: those that fewer others around the
+// same region agree with. A hole that the border around it was moved across is one.
+std::vector<std::uint32_t> contradictions(const Outline& outline);
+
 // Constrained Delaunay triangulation of the inside, counter-clockwise; nothing where the segments bound no inside: they
 // cross, or do not agree about which side it is on.
 std::optional<std::vector<Face>> triangulate(const Outline& outline);
