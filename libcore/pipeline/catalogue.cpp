@@ -1,6 +1,8 @@
 #include "pipeline/catalogue.h"
 
 #include "base/error.h"
+#include "pipeline/command_file.h"
+#include "pipeline/locate.h"
 #include "pipeline/process.h"
 
 #include <algorithm>
@@ -23,9 +25,18 @@ std::string failure(const fs::path& program, const Captured& captured)
                        captured.exit_code);
 }
 
+// The files that a foreign program is made of.
+std::vector<fs::path> code_of(const fs::path& program, const StageDescription& description)
+{
+    std::vector<fs::path> code{program};
+    for (const auto& file : description.code)
+        code.push_back(program.parent_path() / file);
+    return code;
+}
+
 } // namespace
 
-bool names_a_path(const std::string& use) { return use.find('/') != std::string::npos; }
+bool names_a_path(const std::string& use) { return use.find('/') != std::string::npos || is_command_file(use); }
 
 Catalogue::Catalogue(fs::path folder) : folder_(std::move(folder)) {}
 
@@ -66,18 +77,39 @@ void Catalogue::prepare(const std::vector<fs::path>& programs)
     const auto captured = capture_all(commands, kDescribeSeconds);
     for (std::size_t i = 0; i < asked.size(); ++i) {
         Answer& answer = answers_[asked[i]];
-        answer.program.path = asked[i];
+        const bool is_foreign = asked[i].parent_path() != folder_;
+        answer.program.path = is_foreign ? command_runner() : asked[i];
+        if (is_foreign) answer.program.leading = {asked[i].string()};
         try {
             if (captured[i].timed_out || captured[i].exit_code != 0) throw UsageError(failure(asked[i], captured[i]));
             answer.program.description = parse_description(captured[i].output, asked[i].string());
+            if (is_foreign) answer.program.code = code_of(asked[i], answer.program.description);
         } catch (const UsageError& error) {
             answer.error = error.what();
         }
     }
 }
 
+const Program* Catalogue::describe_command(const fs::path& file, Problems& problems)
+{
+    Problems found;
+    const CommandFile command = read_command_file(file.string(), found);
+    problems.add_all(found);
+    if (!found.empty()) return nullptr;
+    Program& program = answers_[file].program;
+    program = {command_runner(), command.description, {file.string()}, command.code};
+    program.code.push_back(command_file_path(file.string()));
+    return &program;
+}
+
 const Program& Catalogue::describe(const fs::path& program)
 {
+    if (is_command_file(program.string())) {
+        Problems problems;
+        const Program* described = describe_command(program, problems);
+        problems.throw_if_any();
+        return *described;
+    }
     if (!fs::exists(program)) throw UsageError(fmt::format("{}: no such program", program.string()));
     if (!is_program(program)) throw UsageError(fmt::format("{}: is not an executable file", program.string()));
     prepare({program});

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pipeline/description.h"
+#include "pipeline/source.h"
 
 #include <filesystem>
 #include <map>
@@ -25,8 +26,12 @@ public:
     // Asks all programs side by side, so that describe() answers at once.
     void prepare(const std::vector<std::filesystem::path>& programs);
 
-    // Throws UsageError when there is no such program or it does not describe itself.
+    // Throws UsageError when there is no such program or it does not describe itself. A program that does not lie in
+    // the folder is foreign.
     const Program& describe(const std::filesystem::path& program);
+
+    // The described command line of a YAML file (command_file.h); nullptr when there are problems.
+    const Program* describe_command(const std::filesystem::path& file, Problems& problems);
 
 private:
     struct Answer {
@@ -37,7 +42,7 @@ private:
     std::map<std::filesystem::path, Answer> answers_;
 };
 
-// True when `use` is a path and not a short name.
+// True when `use` is a path (or a YAML file) and not a short name.
 bool names_a_path(const std::string& use);
 
 } // namespace quoin

@@ -104,6 +104,7 @@ StageDescription parse_description(const std::string& text, const std::string& w
         for (const auto& param : json.at("params"))
             stage.params.push_back(parse_param_spec(param));
         stage.reads_images = json.value("reads_images", false);
+        stage.code = json.value("code", stage.code);
         return stage;
     } catch (const std::exception& error) {
         throw UsageError(fmt::format(

@@ -26,13 +26,17 @@ struct StageDescription {
     std::vector<PortDescription> inputs;
     std::vector<PortDescription> outputs;
     std::vector<ParamSpec> params;
-    bool reads_images = false; // takes --scan-root
+    bool reads_images = false;     // takes --scan-root
+    std::vector<std::string> code; // of a foreign program: further files that it is made of, beside it
 };
 
-// A stage executable and its description.
+// A stage executable and its description. A foreign program is run by another one (run-command), which is told by its
+// first arguments what to run.
 struct Program {
     std::filesystem::path path;
     StageDescription description;
+    std::vector<std::string> leading = {};        // arguments before the stage's own
+    std::vector<std::filesystem::path> code = {}; // of a foreign program: the files whose content enters the key
 };
 
 // Folders are wired like artifacts, but lie on disk as directories.

@@ -1,6 +1,7 @@
 #include "pipeline/graph.h"
 
 #include "base/error.h"
+#include "pipeline/command_file.h"
 #include "pipeline/running_order.h"
 
 #include <algorithm>
@@ -54,6 +55,8 @@ Stages find_programs(const Pipeline& pipeline, Catalogue& catalogue, Problems& p
             if (!names_a_path(stage.use) && !std::filesystem::exists(paths[i]))
                 problems.add(stage.use_position,
                              fmt::format("there is no stage '{}'{}", stage.use, hint(stage.use, catalogue.names())));
+            else if (is_command_file(paths[i].string()))
+                stages.list[i].program = catalogue.describe_command(paths[i], problems);
             else
                 stages.list[i].program = &catalogue.describe(paths[i]);
         } catch (const UsageError& error) {
@@ -98,6 +101,18 @@ void check_wire(const Stages& stages, const PortDescription& input, const Wire& 
             problems.add(wire.position, fmt::format("stage '{}' has no output '{}'{}", wire.stage, wire.port,
                                                     hint(wire.port, port_names(outputs))));
     }
+}
+
+// The files of `code:` enter the key of foreign programs only: Quoin's own have a version.
+void check_code(const Resolved& resolved, Problems& problems)
+{
+    if (resolved.program->leading.empty() && !resolved.stage->code.empty())
+        problems.add(resolved.stage->position,
+                     fmt::format("stage '{}' has 'code', but uses a stage of Quoin's, which has a version instead",
+                                 resolved.stage->name));
+    for (const auto& file : resolved.stage->code)
+        if (!std::filesystem::is_regular_file(file))
+            problems.add(resolved.stage->position, fmt::format("{}: no such file", file.string()));
 }
 
 void check_inputs(const Stages& stages, const Resolved& resolved, Problems& problems)
@@ -196,6 +211,10 @@ GraphNode make_node(const Resolved& resolved, std::vector<GraphParam> params,
                     const std::map<std::string, std::size_t, std::less<>>& node_of)
 {
     GraphNode node{resolved.stage->name, *resolved.program, {}, std::move(params)};
+    for (const auto& file : resolved.stage->code) {
+        node.program.leading.insert(node.program.leading.end(), {"--code", file.string()});
+        node.program.code.push_back(file);
+    }
     for (const auto& port : resolved.program->description.inputs) {
         const auto wire = resolved.stage->inputs.find(port.name);
         if (wire == resolved.stage->inputs.end()) continue;
@@ -215,6 +234,7 @@ std::optional<Graph> check_graph(const Pipeline& pipeline, Catalogue& catalogue,
     for (std::size_t i = 0; i < stages.list.size(); ++i) {
         if (!stages.list[i].program) continue;
         check_inputs(stages, stages.list[i], problems);
+        check_code(stages.list[i], problems);
         params[i] = check_params(stages.list[i], problems);
     }
     const Waits waits = wires_of(stages);
@@ -300,7 +320,8 @@ ParamValues values_of(const GraphNode& node)
 bool does_the_same(const Graph& a, const Graph& b)
 {
     return std::ranges::equal(a.nodes, b.nodes, [](const GraphNode& left, const GraphNode& right) {
-        return left.name == right.name && left.program.path == right.program.path && left.inputs == right.inputs &&
+        return left.name == right.name && left.program.path == right.program.path &&
+               left.program.leading == right.program.leading && left.inputs == right.inputs &&
                values_of(left) == values_of(right);
     });
 }

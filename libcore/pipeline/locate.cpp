@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fmt/format.h>
+#include <sstream>
+#include <unistd.h>
 #include <vector>
 
 namespace quoin {
@@ -49,6 +51,24 @@ fs::path stage_folder()
     const fs::path bin = executable_path().parent_path();
     const fs::path installed = bin.parent_path() / "libexec" / "quoin";
     return fs::is_directory(installed) ? installed : bin;
+}
+
+fs::path command_runner()
+{
+    constexpr const char* kName = "run-command";
+    const fs::path beside_stages = stage_folder() / kName;
+    return fs::exists(beside_stages) ? beside_stages : executable_path().parent_path() / kName;
+}
+
+fs::path find_in_path(const std::string& name)
+{
+    const char* variable = std::getenv("PATH");
+    std::istringstream folders(variable ? variable : "");
+    for (std::string folder; std::getline(folders, folder, ':');)
+        if (const fs::path file = fs::path(folder) / name;
+            fs::is_regular_file(file) && ::access(file.c_str(), X_OK) == 0)
+            return file;
+    return {};
 }
 
 fs::path find_yaml(const std::string& kind, const std::string& name)

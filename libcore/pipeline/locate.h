@@ -10,6 +10,13 @@ namespace quoin {
 // folder.
 std::filesystem::path stage_folder();
 
+// The program that runs foreign ones as stages (foreign/foreign.h): beside the stages, or beside the running
+// executable.
+std::filesystem::path command_runner();
+
+// The program that a shell would run for `name`; "" when $PATH has none.
+std::filesystem::path find_in_path(const std::string& name);
+
 // The file that a person means by `name`: a path; or "indoor" in the folder `kind` ("pipelines", "configs"), which is
 // $QUOIN_PIPELINES or $QUOIN_CONFIGS, <prefix>/share/quoin/<kind>, or the source tree's. Throws UsageError with the
 // names that there are.

@@ -32,6 +32,7 @@ struct PipelineStage {
     std::string use; // the program: a short name, or a path against `use_folder`
     Position use_position;
     std::filesystem::path use_folder;
+    std::vector<std::filesystem::path> code; // files that enter the key of a foreign program
     std::map<std::string, Wire> inputs;    // by port
     std::map<std::string, Setting> params; // by name
 };

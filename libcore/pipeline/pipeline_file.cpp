@@ -44,6 +44,14 @@ void read_wire(const YamlEntry& entry, PipelineStage& stage, Problems& problems)
                                  stage.name, kScan));
 }
 
+void set_use(PipelineStage& stage, const std::string& use, const fs::path& folder, const Position& position)
+{
+    stage.use = use;
+    stage.use_folder = folder;
+    stage.use_position = position;
+    stage.code.clear(); // was that of another program
+}
+
 void read_params(const YamlNode& map, PipelineStage& stage, Problems& problems)
 {
     if (map.is_null() || !expect_map(map, fmt::format("'params' of stage '{}'", stage.name), problems)) return;
@@ -57,19 +65,30 @@ void read_params(const YamlNode& map, PipelineStage& stage, Problems& problems)
     }
 }
 
+// A program by name or path, or a command line that the same map describes (command_file.h).
+void read_use(const YamlNode& map, const fs::path& folder, PipelineStage& stage, Problems& problems)
+{
+    const YamlNode* use = find(map, "use");
+    const YamlNode* exec = find(map, "exec");
+    if (use && exec) problems.add(exec->position, "a stage has 'use' or 'exec', not both");
+    if (use && (!use->is_scalar() || use->text.empty()))
+        problems.add(use->position, "'use' is expected to name a stage, or the path of a program");
+    else if (use)
+        set_use(stage, use->text, folder, use->position);
+    else if (exec)
+        set_use(stage, fs::absolute(exec->position.source->name).string() + "#" + stage.name, folder, exec->position);
+    const YamlNode* code = exec ? nullptr : find(map, "code");
+    if (!code) return;
+    stage.code.clear();
+    for (const auto& item : code->items)
+        stage.code.push_back(fs::absolute(folder / item.text).lexically_normal());
+}
+
 void read_stage(const YamlNode& map, const fs::path& folder, PipelineStage& stage, Problems& problems)
 {
     if (!expect_map(map, fmt::format("stage '{}'", stage.name), problems)) return;
-    refuse_unknown_keys(map, {"use", "in", "params"}, "a stage", problems);
-    if (const YamlNode* use = find(map, "use")) {
-        if (use->is_scalar() && !use->text.empty()) {
-            stage.use = use->text;
-            stage.use_position = use->position;
-            stage.use_folder = folder;
-        } else {
-            problems.add(use->position, "'use' is expected to name a stage, or the path of a program");
-        }
-    }
+    refuse_unknown_keys(map, {"use", "exec", "describe", "code", "in", "params"}, "a stage", problems);
+    read_use(map, folder, stage, problems);
     if (const YamlNode* in = find(map, "in"); in && !in->is_null() && expect_map(*in, "'in'", problems))
         for (const auto& entry : in->entries)
             read_wire(entry, stage, problems);
@@ -256,9 +275,8 @@ void apply_use(Pipeline& pipeline, const std::string& argument, Problems& proble
                      fmt::format("the pipeline has no stage '{}'{}", name, hint(name, pipeline.stage_names())));
         return;
     }
-    stage->use = argument.substr(equals + 1);
-    stage->use_folder = fs::current_path();
-    stage->use_position = argument_position("--use", argument, static_cast<int>(equals) + 2);
+    set_use(*stage, argument.substr(equals + 1), fs::current_path(),
+            argument_position("--use", argument, static_cast<int>(equals) + 2));
 }
 
 } // namespace quoin

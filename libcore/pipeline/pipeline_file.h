@@ -7,6 +7,7 @@
 //     stages:
 //       import: {use: import, in: {folder: $scan}}
 //       fuse:   {use: fuse, in: {scan: import.scan}, params: {voxel_size: 0.01}}
+//       mine:   {use: ./my-stage, code: [helpers.py], in: {mesh: fuse.mesh}}    # `exec:`: see command_file.h
 //     variants: ...  matrix: ...  ablate: ...  report: ...      # see study.h
 #pragma once
 

@@ -53,6 +53,7 @@ public:
         task.stage = node.name;
         task.node = index;
         task.program = node.program.path;
+        task.leading = node.program.leading;
         for (const auto& input : node.inputs)
             task.inputs.push_back({input.port, source(input), {}, input.from_port});
         for (const auto& port : node.program.description.outputs)
@@ -158,6 +159,8 @@ void wait_for_equal_tasks(std::vector<Task>& tasks)
     std::vector<std::size_t> first(tasks.size()); // the first task that does the same
     for (std::size_t i = 0; i < tasks.size(); ++i) {
         std::string work = tasks[i].program.string();
+        for (const auto& word : tasks[i].leading)
+            work += '\n' + word;
         for (const auto& setting : tasks[i].settings)
             work += '\n' + setting;
         for (const auto& input : tasks[i].inputs)
@@ -170,7 +173,7 @@ void wait_for_equal_tasks(std::vector<Task>& tasks)
 
 std::vector<std::string> arguments_of(const Task& task, const fs::path& store)
 {
-    std::vector<std::string> arguments;
+    std::vector<std::string> arguments = task.leading;
     const auto add = [&](const char* flag, std::string value) {
         arguments.emplace_back(flag);
         arguments.push_back(std::move(value));

@@ -44,6 +44,7 @@ struct Task {
     std::string stage;
     std::size_t node = 0; // in the graph
     std::filesystem::path program;
+    std::vector<std::string> leading; // arguments before the stage's own
     std::vector<TaskInput> inputs;
     std::vector<TaskOutput> outputs;
     std::vector<std::string> settings; // "name=value"

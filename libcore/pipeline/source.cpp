@@ -67,6 +67,12 @@ void Problems::add(const Position& position, const std::string& message)
 
 void Problems::warn(const Position& position, const std::string& message) { put(position, "warning: " + message); }
 
+void Problems::add_all(const Problems& others)
+{
+    entries_.insert(entries_.end(), others.entries_.begin(), others.entries_.end());
+    errors_ += others.errors_;
+}
+
 std::string Problems::text() const
 {
     std::map<const SourceText*, std::size_t> rank; // texts in the order in which they were first blamed

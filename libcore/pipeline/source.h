@@ -31,6 +31,7 @@ std::string to_string(const Position& position); // "file:line:column", or the f
 class Problems {
 public:
     void add(const Position& position, const std::string& message);
+    void add_all(const Problems& others);
     void warn(const Position& position, const std::string& message); // stops nobody
     bool empty() const { return entries_.empty(); }
     bool has_errors() const { return errors_ > 0; }

@@ -65,7 +65,8 @@ Key key_of(const State& state, const std::vector<ParamSpec>& specs)
 {
     KeyParts parts;
     parts.stage = state.stage.name;
-    parts.implementation = "builtin/" + state.stage.name;
+    const std::string& implementation = state.stage.implementation;
+    parts.implementation = implementation.empty() ? "builtin/" + state.stage.name : implementation;
     parts.impl_version = state.stage.impl_version;
     for (const auto& port : state.stage.outputs)
         parts.outputs[port.name] = versioned(port.schema_name());
@@ -85,11 +86,13 @@ void limit_memory(std::uint64_t bytes)
     ::setrlimit(RLIMIT_DATA, &limit);
 }
 
-std::uint64_t peak_memory() // [bytes]
+std::uint64_t peak_memory() // [bytes], of the stage or the largest program that it ran
 {
-    rusage usage{};
-    ::getrusage(RUSAGE_SELF, &usage);
-    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+    rusage own{};
+    rusage children{};
+    ::getrusage(RUSAGE_SELF, &own);
+    ::getrusage(RUSAGE_CHILDREN, &children);
+    return static_cast<std::uint64_t>(std::max(own.ru_maxrss, children.ru_maxrss)) * 1024;
 }
 
 Json record_of(const State& state, double seconds)
