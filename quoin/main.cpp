@@ -29,6 +29,9 @@ constexpr std::array kVerbs{
     Verb{"graph", "draw a pipeline as text, dot or mermaid", graph_verb},
     Verb{"stages", "list the stages", stages_verb},
     Verb{"describe", "show ports and parameters of a stage", describe_verb},
+    Verb{"emit", "write a run down for make, ninja or Slurm; completion; reference pages", emit_verb},
+    Verb{"submit", "submit a run to Slurm", submit_verb},
+    Verb{"stage-check", "test whether a program honours the stage contract", stage_check_verb},
     Verb{"inspect", "show what an artifact holds and where it comes from", inspect_verb},
     Verb{"report", "write a page that shows a model and its figures", report_verb},
 };
@@ -38,8 +41,8 @@ void print_help()
     fmt::print("quoin {}: RGB-D scans of rooms into light, textured meshes of planes\n\n", QUOIN_VERSION);
     fmt::print("  quoin run --scan DIR    makes out/<scan>/model/ by the pipeline `indoor`\n\n");
     for (const auto& verb : kVerbs)
-        fmt::print("  quoin {:<10} {}\n", verb.name, verb.summary);
-    fmt::print("  quoin STAGE      run one stage by its name\n\n`quoin VERB --help` says more.\n");
+        fmt::print("  quoin {:<12} {}\n", verb.name, verb.summary);
+    fmt::print("  quoin STAGE        run one stage by its name\n\n`quoin VERB --help` says more.\n");
 }
 
 // Becomes the stage; returns only when there is none of that name.
@@ -68,6 +71,11 @@ int dispatch(int argc, char** argv)
     }
     if (name == "--version") {
         fmt::print("quoin {}\n", QUOIN_VERSION);
+        return 0;
+    }
+    if (name == "--list-verbs") { // for completion and reference pages
+        for (const auto& known : kVerbs)
+            fmt::print("{}\n", known.name);
         return 0;
     }
     const auto verb = std::ranges::find(kVerbs, name, [](const Verb& v) { return std::string(v.name); });

@@ -15,6 +15,9 @@ int ablate_verb(const Arguments& arguments);
 int graph_verb(const Arguments& arguments);
 int stages_verb(const Arguments& arguments);
 int describe_verb(const Arguments& arguments);
+int emit_verb(const Arguments& arguments);
+int submit_verb(const Arguments& arguments);
+int stage_check_verb(const Arguments& arguments);
 int inspect_verb(const Arguments& arguments);
 int report_verb(const Arguments& arguments);
 
