@@ -3,6 +3,7 @@
 #include "pipeline/run_record.h"
 #include "pipeline/text_figures.h"
 #include "quoin/command_line.h"
+#include "quoin/submission_status.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -75,10 +76,15 @@ void print_scan(const Layout& layout, const std::string& scan)
 
 int status_verb(const Arguments& arguments)
 {
-    CLI::App app("shows what a folder of results holds, with seconds and peak memory", "quoin status");
+    CLI::App app("shows what a folder of results holds, with seconds and peak memory; or how far a Slurm submission is",
+                 "quoin status");
     std::string out = "out";
-    app.add_option("OUT", out, "the --out of `quoin run`")->capture_default_str();
+    app.add_option("OUT", out, "the --out of `quoin run`, or the folder of `quoin submit`")->capture_default_str();
     if (!parse_arguments(app, arguments)) return 0;
+    if (is_submission(out)) {
+        print_submission(out);
+        return 0;
+    }
     const Layout layout{fs::path(out), {}};
     if (!fs::is_directory(layout.out))
         throw InputError(fmt::format("{}: no such folder; `quoin run --out {}` makes one", out, out));
