@@ -24,10 +24,23 @@ std::string unknown_option(const CLI::App& app, const Arguments& arguments)
     return {};
 }
 
+// What reference pages and completion are made of (emit/command_help.h).
+void list_options(const CLI::App& app)
+{
+    fmt::print("{}\n", app.get_description());
+    for (const CLI::Option* option : app.get_options())
+        fmt::print("{}\t{}\n", option->get_name(option->get_positional(), !option->get_positional()),
+                   option->get_description());
+}
+
 } // namespace
 
 bool parse_arguments(CLI::App& app, const Arguments& arguments)
 {
+    if (arguments == Arguments{"--list-options"}) {
+        list_options(app);
+        return false;
+    }
     try {
         app.parse(Arguments(arguments.rbegin(), arguments.rend())); // CLI11 takes them from the back
         return true;
