@@ -165,6 +165,31 @@ TEST_F(EndToEnd, GivesTheSameBytesByMake)
     EXPECT_THAT(in_folder(make).output, HasSubstr("Nothing to be done"));
 }
 
+TEST_F(EndToEnd, GivesTheSameBytesByAnEmittedNinjaFile)
+{
+    const CommandResult emitted =
+        in_folder(kBin + "/quoin emit ninja indoor --scan room --out ninja --to build.ninja && ninja -j2");
+    ASSERT_EQ(emitted.exit_code, 0) << emitted.output;
+    EXPECT_EQ(digests_of(path("ninja/room")), digests_of(path("one/room")));
+    EXPECT_THAT(in_folder("ninja").output, HasSubstr("no work to do"));
+}
+
+TEST_F(EndToEnd, TakesAStageInPythonInThePlaceOfMerge)
+{
+    if (in_folder("PATH=/usr/bin:$PATH python3 -c 'import numpy'").exit_code != 0)
+        GTEST_SKIP() << "python3 with numpy is not installed (package python3-numpy)";
+    const CommandResult swapped = in_folder(
+        "export PATH=/usr/bin:$PATH; " + kBin +
+        "/quoin run --scan room --out swapped --store one/.store --until simplify --use merge=" QUOIN_SOURCE_DIR
+        "/docs/examples/merge-by-normal -S merge.max_angle=10");
+    ASSERT_EQ(swapped.exit_code, 0) << swapped.output;
+    EXPECT_THAT(swapped.output, HasSubstr("2 stages computed")); // and all before it from the store
+    const CommandResult refused = in_folder("export PATH=/usr/bin:$PATH; " + kBin +
+                                            "/quoin run --scan room --out swapped --use merge=" QUOIN_SOURCE_DIR
+                                            "/docs/examples/merge-by-normal -S merge.max_angel=10");
+    EXPECT_THAT(refused.output, HasSubstr("did you mean 'max_angle'?"));
+}
+
 TEST_F(EndToEnd, RunsOnlyWhatAChangedParameterTouches)
 {
     const CommandResult changed = run("one", 2, "--until export -S bake-texture.jpeg_quality=80");
