@@ -1,5 +1,6 @@
 #include "foreign/stage_check.h"
 
+#include "artifact/artifact.h"
 #include "artifact/digest.h"
 #include "base/atomic_file.h"
 #include "base/error.h"
