@@ -142,7 +142,7 @@ private:
                "SelectType=select/cons_tres\nSelectTypeParameters=CR_Core_Memory\nSlurmdParameters=config_overrides\n"
                "EnforcePartLimits=ALL\nReturnToService=2\nMpiDefault=none\nKillWait=5\nMinJobAge=3600\n"
                "MaxArraySize=1001\nDefMemPerCPU=100\n" +
-               nodes + "PartitionName=main Nodes=ALL Default=YES MaxTime=00:30:00 State=UP\n";
+               nodes + "PartitionName=main Nodes=ALL Default=YES MaxTime=24:00:00 State=UP\n";
     }
 
     TemporaryFolder folder_;

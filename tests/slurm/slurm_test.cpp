@@ -38,11 +38,15 @@ protected:
         return shell(QUOIN_BINARY_DIR "/bin/quoin " + arguments);
     }
 
-    // Submits to the folder results/.slurm and so on, and returns what was said.
-    CommandResult submit(const std::string& options = "", const std::string& out = "results") const
+    // What `emit slurm` and `submit` are called with; the scripts lie in results/.slurm, or so.
+    std::string options(const std::string& more = "", const std::string& out = "results", int threads = 1) const
     {
-        return quoin("submit p.yaml" + shop_.scan_options() + " --out " + out + " --store store --to " + out +
-                     "/.slurm --threads 1 --mem 100M --minutes 5 " + options);
+        return " slurm p.yaml" + shop_.scan_options() + " --out " + out + " --store store --to " + out +
+               "/.slurm --mem 100M --threads " + std::to_string(threads) + " " + more;
+    }
+    CommandResult submit(const std::string& more = "", int threads = 1) const
+    {
+        return quoin("submit" + options(more, "results", threads).substr(6));
     }
     std::string status(const std::string& out = "results") const { return quoin("status " + out + "/.slurm").output; }
 
@@ -138,11 +142,13 @@ TEST_F(SlurmTest, GoesOnAfterAJobWasKilled)
 
 TEST_F(SlurmTest, TwoNodesOnOneStoreComputeEachKeyOnce)
 {
-    const std::string options = "--mode chain -S small.pause=0.3 -S large.pause=0.3 --sbatch --nodelist=";
     for (const std::string node : {"n1", "n2"}) {
-        const CommandResult submitted = submit(options + node, node);
-        ASSERT_EQ(submitted.exit_code, 0) << submitted.output;
+        const CommandResult emitted = quoin(
+            "emit" + options("--mode chain -S small.pause=0.3 -S large.pause=0.3 --sbatch --nodelist=" + node, node));
+        ASSERT_EQ(emitted.exit_code, 0) << emitted.output;
     }
+    const CommandResult submitted = shell("n1/.slurm/submit.sh && n2/.slurm/submit.sh");
+    ASSERT_EQ(submitted.exit_code, 0) << submitted.output;
     ASSERT_TRUE(slurm_->wait_for_jobs()) << slurm_->call("squeue");
     const Digests digests = digests_of_run();
     EXPECT_EQ(shop_.digests("n1"), digests);
@@ -157,11 +163,7 @@ TEST_F(SlurmTest, TwoNodesOnOneStoreComputeEachKeyOnce)
 
 TEST_F(SlurmTest, AnElementTrustsTheStoreAndNotTheScheduler)
 {
-    ASSERT_EQ(quoin("emit slurm p.yaml" + shop_.scan_options() +
-                    " --out results --store store --to results/.slurm"
-                    " --threads 1 --mem 100M")
-                  .exit_code,
-              0);
+    ASSERT_EQ(quoin("emit" + options()).exit_code, 0);
     // A job that Slurm does not know counts as done.
     const CommandResult sent = shell("sbatch --wait --array=0 --dependency=aftercorr:99999 results/.slurm/02-small.sh");
     EXPECT_EQ(sent.exit_code, 3) << sent.output;
@@ -170,7 +172,7 @@ TEST_F(SlurmTest, AnElementTrustsTheStoreAndNotTheScheduler)
 
 TEST_F(SlurmTest, SubmitsNothingWhenTheClusterCannotRunIt)
 {
-    const CommandResult refused = submit("--threads 64");
+    const CommandResult refused = submit("", 64);
     EXPECT_NE(refused.exit_code, 0);
     EXPECT_THAT(refused.output, HasSubstr("submit.sh: Slurm refuses 01-read.sh:"));
     EXPECT_FALSE(fs::exists(shop_ / "results/.slurm/jobs.tsv"));
