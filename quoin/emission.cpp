@@ -7,6 +7,7 @@ namespace quoin {
 void EmissionOptions::add_to(CLI::App& app)
 {
     pipeline.add_to(app);
+    pipeline.add_variant_to(app);
     place.add_to(app);
     app.add_option("--from", selection.from, "begin at this stage; results of earlier ones are taken as they are");
     app.add_option("--until", selection.until, "end at this stage");

@@ -95,7 +95,7 @@ const Program* Catalogue::describe_command(const fs::path& file, Problems& probl
     Problems found;
     const CommandFile command = read_command_file(file.string(), found);
     problems.add_all(found);
-    if (!found.empty()) return nullptr;
+    if (found.has_errors()) return nullptr;
     Program& program = answers_[file].program;
     program = {command_runner(), command.description, {file.string()}, command.code};
     program.code.push_back(command_file_path(file.string()));
