@@ -1,9 +1,11 @@
-#include "artifact/artifact.h"
+#include "artifact/container.h"
 #include "artifact/digest.h"
 #include "artifact/mapped_file.h"
 #include "artifact/migration.h"
 #include "base/atomic_file.h"
+#include "base/durable_file.h"
 #include "base/error.h"
+#include "base/fail_point.h"
 #include "base/parallel.h"
 
 #include <algorithm>
@@ -154,6 +156,46 @@ int parse_version(const fs::path& path, const std::string& text)
     return version;
 }
 
+// Where the last tensor ends, as the header says.
+std::uint64_t data_end(const Json& header)
+{
+    std::uint64_t end = 0;
+    for (const auto& [name, entry] : header.items())
+        if (name != "__metadata__" && entry.is_object() && entry.contains("data_offsets"))
+            if (const Json& offsets = entry["data_offsets"]; offsets.is_array() && offsets.size() == 2)
+                if (offsets[1].is_number_unsigned()) end = std::max(end, offsets[1].get<std::uint64_t>());
+    return end;
+}
+
+// The JSON header, padded so that the tensors behind it are aligned.
+std::string header_text(const Artifact& artifact)
+{
+    const auto names = file_order(artifact.tensors);
+    std::vector<std::string> sums(names.size());
+    parallel_for(names.size(), [&](std::size_t i) { sums[i] = checksum_hex(artifact.tensors.at(names[i]).bytes); });
+
+    Json header = Json::object(), checksums = Json::object();
+    std::uint64_t offset = 0;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        const Tensor& tensor = artifact.tensors.at(names[i]);
+        header[names[i]] = {{"dtype", name_of(tensor.type)},
+                            {"shape", tensor.shape},
+                            {"data_offsets", {offset, offset + tensor.bytes.size()}}};
+        offset += tensor.bytes.size();
+        checksums[names[i]] = sums[i];
+    }
+    Json metadata = artifact.metadata;
+    metadata["quoin.schema"] = artifact.schema;
+    metadata["quoin.schema_version"] = std::to_string(artifact.schema_version);
+    if (!artifact.metadata.contains("quoin.payload")) metadata["quoin.payload"] = artifact.payload();
+    metadata["quoin.checksums"] = checksums.dump();
+    header["__metadata__"] = std::move(metadata);
+
+    std::string text = header.dump();
+    text.resize((text.size() + 8 + kAlignment - 1) / kAlignment * kAlignment - 8, ' ');
+    return text;
+}
+
 } // namespace
 
 ArtifactHeader read_artifact_header(const fs::path& path)
@@ -209,43 +251,35 @@ Artifact read_artifact(const fs::path& path, std::string_view schema, int newest
     return migrate(std::move(artifact), newest, path);
 }
 
+bool is_complete_artifact(const fs::path& path)
+{
+    try {
+        const MappedFile file(path);
+        const Parsed parsed = parse_container(path, file.bytes());
+        return parsed.data.size() == data_end(parsed.header);
+    } catch (const Error&) {
+        return false;
+    }
+}
+
+void write_artifact_in_place(const fs::path& temporary, const Artifact& artifact, const fs::path& path)
+{
+    const std::string text = header_text(artifact);
+    const auto length = static_cast<std::uint64_t>(text.size());
+    const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+    if (descriptor < 0) fail_writing(path, "cannot write", errno, "name an existing folder that you may write to");
+    const std::shared_ptr<const int> closer(&descriptor, [](const int* d) { ::close(*d); });
+    write_all(descriptor, std::as_bytes(std::span(&length, 1)), path);
+    write_all(descriptor, std::as_bytes(std::span(text)), path);
+    fail_point("artifact_half_written", path);
+    for (const auto& name : file_order(artifact.tensors))
+        write_all(descriptor, artifact.tensors.at(name).bytes, path);
+    sync_file(temporary);
+}
+
 void write_artifact(const fs::path& path, const Artifact& artifact)
 {
-    const auto names = file_order(artifact.tensors);
-    std::vector<std::string> sums(names.size());
-    parallel_for(names.size(), [&](std::size_t i) { sums[i] = checksum_hex(artifact.tensors.at(names[i]).bytes); });
-
-    Json header = Json::object(), checksums = Json::object();
-    std::uint64_t offset = 0;
-    for (std::size_t i = 0; i < names.size(); ++i) {
-        const Tensor& tensor = artifact.tensors.at(names[i]);
-        header[names[i]] = {{"dtype", name_of(tensor.type)},
-                            {"shape", tensor.shape},
-                            {"data_offsets", {offset, offset + tensor.bytes.size()}}};
-        offset += tensor.bytes.size();
-        checksums[names[i]] = sums[i];
-    }
-    Json metadata = artifact.metadata;
-    metadata["quoin.schema"] = artifact.schema;
-    metadata["quoin.schema_version"] = std::to_string(artifact.schema_version);
-    if (!artifact.metadata.contains("quoin.payload")) metadata["quoin.payload"] = artifact.payload();
-    metadata["quoin.checksums"] = checksums.dump();
-    header["__metadata__"] = std::move(metadata);
-
-    std::string text = header.dump();
-    text.resize((text.size() + 8 + kAlignment - 1) / kAlignment * kAlignment - 8, ' ');
-    const auto length = static_cast<std::uint64_t>(text.size());
-    write_atomically(path, [&](const fs::path& temporary) {
-        const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
-        if (descriptor < 0)
-            throw InputError(fmt::format("{}: cannot write: {}; name an existing folder that you may write to",
-                                         path.string(), std::strerror(errno)));
-        const std::shared_ptr<const int> closer(&descriptor, [](const int* d) { ::close(*d); });
-        write_all(descriptor, std::as_bytes(std::span(&length, 1)), path);
-        write_all(descriptor, std::as_bytes(std::span(text)), path);
-        for (const auto& name : names)
-            write_all(descriptor, artifact.tensors.at(name).bytes, path);
-    });
+    write_atomically(path, [&](const fs::path& temporary) { write_artifact_in_place(temporary, artifact, path); });
 }
 
 } // namespace quoin
