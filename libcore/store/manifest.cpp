@@ -2,17 +2,18 @@
 
 #include "artifact/digest.h"
 #include "base/atomic_file.h"
+#include "base/durable_file.h"
 #include "base/error.h"
+#include "base/file_stamp.h"
+#include "base/log.h"
 #include "base/parallel.h"
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <ctime>
 #include <fmt/format.h>
 #include <map>
 #include <sstream>
-#include <sys/stat.h>
 #include <vector>
 
 namespace quoin {
@@ -20,37 +21,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What the file system says of a file; equal stamps mean equal content, but for the racy window below.
-struct Stamp {
-    std::uint64_t device = 0, inode = 0, size = 0;
-    std::int64_t modified_ns = 0, changed_ns = 0;
-    bool operator==(const Stamp&) const = default;
-};
-
 struct Known {
-    Stamp stamp;
+    FileStamp stamp;
     std::int64_t hashed_ns = 0;
     std::string digest;
 };
 
-// A file changed this shortly before it was hashed may change again within the clock's granularity: it is hashed anew.
-constexpr std::int64_t kRacyWindow = 2'000'000'000; // [ns]
-
-std::int64_t nanoseconds(const timespec& t) { return std::int64_t{t.tv_sec} * 1'000'000'000 + t.tv_nsec; }
-
-std::int64_t now_ns()
+FileStamp stamp_of(const fs::path& path)
 {
-    timespec t{};
-    ::clock_gettime(CLOCK_REALTIME, &t);
-    return nanoseconds(t);
-}
-
-Stamp stamp_of(const fs::path& path)
-{
-    struct stat s {};
-    if (::stat(path.c_str(), &s) != 0)
-        throw InputError(fmt::format("{}: cannot read: {}", path.string(), std::strerror(errno)));
-    return {s.st_dev, s.st_ino, static_cast<std::uint64_t>(s.st_size), nanoseconds(s.st_mtim), nanoseconds(s.st_ctim)};
+    const auto stamp = file_stamp(path);
+    if (!stamp) throw InputError(fmt::format("{}: cannot read: {}", path.string(), std::strerror(errno)));
+    return *stamp;
 }
 
 std::vector<std::string> sorted_files(const fs::path& folder)
@@ -92,11 +73,14 @@ void write_stat_cache(const fs::path& file, const std::vector<std::string>& name
     std::string text;
     for (std::size_t i = 0; i < names.size(); ++i) {
         const auto& [s, hashed, digest] = known[i];
-        text += fmt::format("{} {} {} {} {} {} {} {}\n", s.device, s.inode, s.size, s.modified_ns, s.changed_ns, hashed,
-                            digest, names[i]);
+        text += fmt::format("{} {} {} {}\n", to_text(s), hashed, digest, names[i]);
     }
-    fs::create_directories(file.parent_path());
-    write_atomically(file, text);
+    try {
+        fs::create_directories(file.parent_path());
+        replace_file(file, text);
+    } catch (const std::exception& error) { // a read-only store: everything is hashed again the next time
+        log_debug(error.what());
+    }
 }
 
 } // namespace
@@ -104,18 +88,16 @@ void write_stat_cache(const fs::path& file, const std::vector<std::string>& name
 std::string folder_digest(const fs::path& folder, const fs::path& cache_folder)
 {
     const auto names = sorted_files(folder);
-    const Stamp self = stamp_of(folder);
+    const FileStamp self = stamp_of(folder);
     const fs::path cache_file = cache_folder / fmt::format("{:x}-{:x}", self.device, self.inode);
     const auto cache = cache_folder.empty() ? std::map<std::string, Known>{} : read_stat_cache(cache_file);
 
     std::vector<Known> known(names.size());
     std::vector<std::uint8_t> hashed(names.size(), 0);
     parallel_for(names.size(), [&](std::size_t i) {
-        const Stamp stamp = stamp_of(folder / names[i]);
+        const FileStamp stamp = stamp_of(folder / names[i]);
         const auto it = cache.find(names[i]);
-        const bool same =
-            it != cache.end() && it->second.stamp == stamp && stamp.modified_ns + kRacyWindow < it->second.hashed_ns;
-        if (same) {
+        if (it != cache.end() && it->second.stamp == stamp && !is_racy(stamp, it->second.hashed_ns)) {
             known[i] = it->second;
             return;
         }

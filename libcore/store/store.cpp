@@ -1,58 +1,36 @@
 #include "store/store.h"
 
+#include "artifact/container.h"
 #include "base/atomic_file.h"
+#include "base/durable_file.h"
 #include "base/error.h"
+#include "base/fail_point.h"
 #include "base/log.h"
+#include "store/clash.h"
+#include "store/object.h"
 
+#include <algorithm>
 #include <cerrno>
-#include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
-#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace quoin {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
+
+constexpr std::int64_t kDay = 86'400; // [s]
 
 void make_folder(const fs::path& folder)
 {
     std::error_code error;
-    fs::create_directories(folder, error);
+    if (!fs::create_directories(folder, error) && !error) return;
     if (error)
-        throw InputError(
-            fmt::format("{}: cannot make the folder: {}; choose another place with --store or $QUOIN_STORE",
-                        folder.string(), error.message()));
-}
-
-void link_file(const fs::path& object, const fs::path& place)
-{
-    const TemporaryPath temporary(place);
-    if (::link(object.c_str(), temporary.path().c_str()) != 0) {
-        std::error_code error;
-        fs::create_symlink(fs::absolute(object), temporary.path(), error);
-        if (error) fs::copy_file(object, temporary.path(), error);
-        if (error) throw InputError(fmt::format("{}: cannot write: {}", place.string(), error.message()));
-    }
-    // Two links of one file: rename() leaves both and says it succeeded; the temporary one is removed with its guard.
-    if (::rename(temporary.path().c_str(), place.c_str()) != 0)
-        throw InputError(fmt::format("{}: cannot write: {}", place.string(), std::strerror(errno)));
-}
-
-void link_folder(const fs::path& object, const fs::path& place)
-{
-    write_folder_atomically(place, [&](const fs::path& temporary) {
-        for (const auto& entry : fs::recursive_directory_iterator(object)) {
-            const fs::path target = temporary / entry.path().lexically_relative(object);
-            if (entry.is_directory())
-                fs::create_directory(target);
-            else
-                link_file(entry.path(), target);
-        }
-    });
+        fail_writing(folder, "cannot make the folder", error.value(),
+                     "choose another place with --store or $QUOIN_STORE");
+    sync_folder(folder.parent_path());
 }
 
 void make_read_only(const fs::path& path)
@@ -63,99 +41,139 @@ void make_read_only(const fs::path& path)
         if (entry.is_regular_file()) fs::permissions(entry.path(), readable);
 }
 
+// The text of a file, or none when it is not there: most keys that are asked for are.
+std::optional<std::string> read_if_there(const fs::path& path)
+{
+    const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (descriptor < 0) return std::nullopt;
+    std::string text;
+    char buffer[16384];
+    for (ssize_t n = 0; (n = ::read(descriptor, buffer, sizeof(buffer))) > 0;)
+        text.append(buffer, static_cast<std::size_t>(n));
+    ::close(descriptor);
+    return text;
+}
+
+// The time of an entry says when it was last used; touched at most once a day.
+void mark_used(const fs::path& entry)
+{
+    struct stat status {};
+    if (::stat(entry.c_str(), &status) != 0) return;
+    const std::int64_t age = ::time(nullptr) - status.st_mtim.tv_sec;
+    if (age > kDay || age < -kDay) ::utimensat(AT_FDCWD, entry.c_str(), nullptr, 0); // the store may be read-only
+}
+
+// Why the object cannot be served, as far as its size tells; "" when it can.
+std::string visible_damage(const fs::path& object, std::uint64_t expected)
+{
+    const auto size = object_size(object);
+    if (!size) return "is missing";
+    // Equal payloads with other provenance may differ in length.
+    if (*size == expected || is_complete_artifact(object)) return {};
+    return fmt::format("has {} bytes instead of {}", *size, expected);
+}
+
 } // namespace
 
 Store::Store(fs::path root) : root_(std::move(root) / "v1")
 {
-    for (const char* folder : {"ac", "cas", "tmp", "lease", "stat"})
+    std::error_code error;
+    if (fs::is_directory(root_ / "cas", error) && !is_writable()) return;
+    for (const char* folder : {"ac", "cas", "tmp", "lease", "stat", "runs", "roots", "clash"})
         make_folder(root_ / folder);
 }
 
-fs::path Store::entry_path(const Key& key) const { return root_ / "ac" / key.hex.substr(0, 2) / (key.hex + ".json"); }
+bool Store::is_writable() const { return ::access((root_ / "cas").c_str(), W_OK) == 0; }
+
+fs::path Store::entry(const std::string& key_hex) const
+{
+    return root_ / "ac" / key_hex.substr(0, 2) / (key_hex + ".json");
+}
 fs::path Store::object(const std::string& payload) const { return root_ / "cas" / payload.substr(0, 2) / payload; }
+fs::path Store::lease(const std::string& key_hex) const { return root_ / "lease" / key_hex; }
 fs::path Store::temporary_place(const std::string& name) const { return root_ / "tmp" / name; }
 fs::path Store::stat_cache() const { return root_ / "stat"; }
 
 std::optional<StoreEntry> Store::find(const Key& key) const
 {
-    const fs::path path = entry_path(key);
-    std::error_code missing;
-    if (!fs::exists(path, missing)) return std::nullopt;
-    const Json json = Json::parse(read_text(path), nullptr, false);
-    if (json.is_discarded() || !json.contains("outputs") || !json["outputs"].is_object()) {
+    const fs::path path = entry(key.hex);
+    const auto text = read_if_there(path);
+    if (!text) return std::nullopt;
+    auto found = parse_entry(*text);
+    if (!found || found->key_json != key.json) {
         log_warning(fmt::format("{}: the store's entry is damaged; computing it again", path.string()));
-        fs::remove(path, missing);
+        ::unlink(path.c_str());
         return std::nullopt;
     }
-    StoreEntry entry;
-    for (const auto& [port, payload] : json["outputs"].items()) {
-        entry.outputs[port] = payload.get<std::string>();
-        if (!fs::exists(object(entry.outputs[port]), missing)) return std::nullopt;
+    for (const auto& [port, payload] : found->outputs) {
+        const std::string damage = visible_damage(object(payload), found->sizes[port]);
+        if (damage.empty()) continue;
+        log_warning(
+            fmt::format("{}: output '{}' in the store {}; computing it again", object(payload).string(), port, damage));
+        ::unlink(path.c_str()); // said once
+        return std::nullopt;
     }
-    entry.record_json = json.value("record", Json::object()).dump();
-    return entry;
+    mark_used(path);
+    return found;
 }
 
-void Store::adopt(const fs::path& finished, const std::string& payload) const
+std::uint64_t Store::adopt(const fs::path& finished, const std::string& payload) const
 {
     const fs::path place = object(payload);
     make_folder(place.parent_path());
     make_read_only(finished);
-    std::error_code error;
-    if (fs::exists(place, error)) return;
-    fs::rename(finished, place, error);
-    if (error && !fs::exists(place))
-        throw ResourceError(fmt::format("{}: cannot write: {}", place.string(), error.message()));
+    fail_point("object_written", place);
+    if (!rename_no_replace(finished, place) && !object_damage(place, payload).empty()) {
+        const TemporaryPath damaged(temporary_place(payload));
+        if (::rename(place.c_str(), damaged.path().c_str()) != 0) fail_writing(place, "cannot write", errno);
+        rename_no_replace(finished, place);
+    }
+    sync_folder(place.parent_path());
+    fail_point("object_published", place);
+    const auto size = object_size(place);
+    if (!size) fail_writing(place, "has vanished from the store", ENOENT);
+    return *size;
 }
 
-void Store::publish(const Key& key, const StoreEntry& entry) const
+void Store::publish(const Key& key, const StoreEntry& published) const
 {
-    const fs::path path = entry_path(key);
+    const fs::path path = entry(key.hex);
     make_folder(path.parent_path());
-    const Json json = {
-        {"key", Json::parse(key.json)}, {"outputs", entry.outputs}, {"record", Json::parse(entry.record_json)}};
     const TemporaryPath temporary(temporary_place(key.hex));
-    write_atomically(temporary.path(), json.dump(1) + "\n");
-    if (::link(temporary.path().c_str(), path.c_str()) == 0) return;
-    const auto other = find(key);
-    if (!other) { // damaged or left without its objects: ours takes its place
-        fs::rename(temporary.path(), path);
-        return;
+    write_synced(temporary.path(), entry_text(key, published));
+    fail_point("entry_written", path);
+    if (!rename_no_replace(temporary.path(), path)) {
+        const auto theirs = find(key);
+        if (theirs) return refuse_clash(*this, key, published, *theirs);
+        // damaged or left without its objects: ours takes its place
+        if (::rename(temporary.path().c_str(), path.c_str()) != 0) fail_writing(path, "cannot write", errno);
     }
-    for (const auto& [port, payload] : entry.outputs) {
-        const auto theirs = other->outputs.find(port);
-        if (theirs == other->outputs.end() || theirs->second == payload) continue;
-        throw ImpossibleError(fmt::format(
-            "output '{}' of key {} differs from what another run computed ({} and {}): the stage is not deterministic; "
-            "compare both with `quoin inspect`",
-            port, key.hex, payload, theirs->second));
-    }
+    sync_folder(path.parent_path());
+    fail_point("entry_published", path);
 }
 
-void Store::link(const std::string& payload, const fs::path& place) const
+bool Store::link(const std::string& payload, const fs::path& place, const std::vector<std::string>& rewritten) const
 {
-    if (place.has_parent_path()) make_folder(place.parent_path());
     const fs::path source = object(payload);
+    std::error_code error;
+    if (!fs::exists(source, error)) return false;
+    if (shows_object(source, place, rewritten)) return true;
+    if (place.has_parent_path()) make_folder(place.parent_path());
+    remove_abandoned_files(fs::absolute(place).parent_path());
     if (fs::is_directory(source))
-        link_folder(source, place);
+        show_folder(source, place);
     else
-        link_file(source, place);
+        show_file(source, place, temporary_place(payload));
+    return true;
 }
 
-Store::Lease::Lease(const Store& store, const Key& key)
+bool Store::disown_if_damaged(const std::string& payload) const
 {
-    const fs::path path = store.root_ / "lease" / key.hex;
-    descriptor_ = ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-    if (descriptor_ < 0) return; // a read-only store still serves
-    if (::flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
-    log_info("another process computes the same result; waiting for it");
-    while (::flock(descriptor_, LOCK_EX) != 0 && errno == EINTR) {
-    }
-}
-
-Store::Lease::~Lease()
-{
-    if (descriptor_ >= 0) ::close(descriptor_);
+    const fs::path place = object(payload);
+    std::error_code error;
+    if (!fs::exists(place, error) || object_damage(place, payload).empty()) return false;
+    log_warning(fmt::format("{}: {}; taken out of the store", place.string(), object_damage(place, payload)));
+    return fs::remove_all(place, error) > 0;
 }
 
 } // namespace quoin

@@ -1,12 +1,17 @@
 #include "store/store.h"
 
 #include "base/atomic_file.h"
+#include "store/lease.h"
 #include "store/manifest.h"
 #include "support/expect_error.h"
 #include "support/temporary_folder.h"
 
+#include <atomic>
+#include <csignal>
 #include <gmock/gmock.h>
+#include <sys/wait.h>
 #include <thread>
+#include <unistd.h>
 
 namespace quoin {
 namespace {
@@ -14,6 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using test::error_of;
 using test::TemporaryFolder;
+using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
 KeyParts some_parts()
@@ -30,8 +36,8 @@ KeyParts some_parts()
 void fill(const Store& store, const TemporaryFolder& folder, const std::string& text, const std::string& payload)
 {
     write_atomically(folder / "object", text);
-    store.adopt(folder / "object", payload);
-    store.publish(make_key(some_parts()), {{{"plane_mesh", payload}}, "{}"});
+    const std::uint64_t size = store.adopt(folder / "object", payload);
+    store.publish(make_key(some_parts()), {{{"plane_mesh", payload}}, "{}", {{"plane_mesh", size}}});
 }
 
 TEST(Key, DependsOnEverythingThatTheResultDependsOn)
@@ -119,16 +125,38 @@ TEST(Store, ALeaseMakesTheSecondWait)
     const TemporaryFolder folder;
     const Store store(folder / "store");
     const Key key = make_key(some_parts());
-    auto first = std::make_unique<Store::Lease>(store, key);
-    bool released = false;
+    auto first = std::make_unique<Lease>(store, key, std::vector<std::string>{"needed"});
+    EXPECT_THAT(lines_of(store.lease(key.hex)), ElementsAre("needed"));
+    EXPECT_THAT(holder_text(store.lease(key.hex)), HasSubstr("process " + std::to_string(::getpid())));
+    std::atomic<bool> released = false;
     std::thread second([&] {
-        const Store::Lease lease(store, key);
+        const Lease lease(store, key, {});
         EXPECT_TRUE(released);
     });
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     released = true;
     first.reset();
     second.join();
+    EXPECT_FALSE(fs::exists(store.lease(key.hex)));
+}
+
+TEST(Store, ALeaseOfAKilledProcessHoldsNobodyUp)
+{
+    const TemporaryFolder folder;
+    const Store store(folder / "store");
+    const Key key = make_key(some_parts());
+    const pid_t child = ::fork();
+    if (child == 0) {
+        const Lease lease(store, key, {});
+        ::raise(SIGKILL);
+    }
+    ::waitpid(child, nullptr, 0);
+    EXPECT_TRUE(fs::exists(store.lease(key.hex)));
+    EXPECT_FALSE(is_held(store.lease(key.hex)));
+    const auto begin = std::chrono::steady_clock::now();
+    const Lease lease(store, key, {});
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5)); // not until a heartbeat is stale
+    EXPECT_TRUE(is_held(store.lease(key.hex)));
 }
 
 TEST(FolderDigest, FollowsContentAndNamesOnly)
