@@ -72,6 +72,7 @@ std::string describe_json(const Stage& stage, const std::vector<ParamSpec>& para
     const Json json = {
         {"name", stage.name},
         {"summary", stage.summary},
+        {"impl", implementation_of(stage)},
         {"impl_version", stage.impl_version},
         {"inputs", describe_ports(stage.inputs)},
         {"outputs", describe_ports(stage.outputs)},

@@ -1,14 +1,20 @@
 #include "stage/stage.h"
 
+#include "artifact/container.h"
 #include "artifact/digest.h"
 #include "base/atomic_file.h"
+#include "base/durable_file.h"
 #include "base/error.h"
+#include "base/fail_point.h"
+#include "base/log.h"
 #include "base/parallel.h"
 #include "base/timer.h"
 #include "stage/command_line.h"
 #include "stage/console_progress.h"
 #include "stage/describe.h"
 #include "stage/signals.h"
+#include "store/identity.h"
+#include "store/lease.h"
 #include "store/manifest.h"
 #include "store/store.h"
 
@@ -31,7 +37,10 @@ struct StageRun::State {
     std::optional<Store> store;
     std::map<std::string, InputIdentity> inputs;
     Key key;
-    std::map<std::string, std::string> outputs; // port -> payload, as they are written
+    std::map<std::string, std::string> outputs = {}; // port -> payload, as they are written
+    std::map<std::string, std::uint64_t> sizes = {}; // in the store
+    std::optional<Lease> lease = {};
+    double store_seconds = 0.0; // spent on keys, lookups and publishing
 };
 
 namespace {
@@ -45,36 +54,15 @@ const Port& output_port(const Stage& stage, const std::string& name)
     return *it;
 }
 
-std::string versioned(const std::string& schema) { return schema + "/1"; }
-
-InputIdentity identify(const Port& port, const fs::path& path, const std::optional<Store>& store)
-{
-    if (fs::is_directory(path))
-        return {versioned(port.schema_name()), folder_digest(path, store ? store->stat_cache() : fs::path())};
-    if (port.schema_name() == "folder")
-        throw InputError(fmt::format("{}: no such folder (input '{}')", path.string(), port.name));
-    const ArtifactHeader header = read_artifact_header(path);
-    if (header.schema != port.schema_name())
-        throw InputError(fmt::format("{}: holds a '{}'; input '{}' takes a '{}'", path.string(), header.schema,
-                                     port.name, port.schema_name()));
-    return {fmt::format("{}/{}", header.schema, header.schema_version),
-            header.payload.empty() ? read_artifact(path).payload() : header.payload};
-}
-
 Key key_of(const State& state, const std::vector<ParamSpec>& specs)
 {
     KeyParts parts;
     parts.stage = state.stage.name;
-    const std::string& implementation = state.stage.implementation;
-    parts.implementation = implementation.empty() ? "builtin/" + state.stage.name : implementation;
+    parts.implementation = implementation_of(state.stage);
     parts.impl_version = state.stage.impl_version;
     for (const auto& port : state.stage.outputs)
-        parts.outputs[port.name] = versioned(port.schema_name());
-    for (const auto& spec : specs) {
-        const ParamValue& value = state.line.params.at(spec.name);
-        const bool neutral = spec.flags.has_neutral && value == spec.default_value;
-        if (spec.flags.affects_result && !neutral) parts.params[spec.name] = value;
-    }
+        parts.outputs[port.name] = versioned_schema(port.schema_name());
+    parts.params = key_params(specs, state.line.params);
     parts.inputs = state.inputs;
     return make_key(parts);
 }
@@ -118,9 +106,9 @@ Json record_of(const State& state, double seconds)
             {"params", Json::parse(params_json(state.line.params))}};
 }
 
-void write_record(const CommandLine& line, const Json& record)
+void write_record(const CommandLine& line, const std::string& record)
 {
-    if (!line.record.empty()) write_atomically(line.record, record.dump(2) + "\n");
+    if (!line.record.empty()) replace_file(line.record, record);
 }
 
 // True when the store had the result and the outputs are in their places.
@@ -130,32 +118,63 @@ bool serve_from_store(const State& state)
     if (!entry) return false;
     for (const auto& [port, place] : state.line.outputs) {
         const auto payload = entry->outputs.find(port);
-        if (payload == entry->outputs.end()) return false;
-        state.store->link(payload->second, place);
+        if (payload == entry->outputs.end() || !state.store->link(payload->second, place)) return false;
     }
-    Json record = Json::parse(entry->record_json);
-    record["cached"] = true;
-    record["key"] = state.key.hex;
-    record["outputs"] = entry->outputs;
-    write_record(state.line, record);
+    write_record(state.line, served_record(*entry, state.key));
     return true;
+}
+
+// An input that cannot be read may be damaged in the store: then it is taken out, and whoever makes it computes it
+// anew.
+void call_body(State& state, const StageBody& body)
+{
+    try {
+        body(StageRun(state), state.line.params);
+    } catch (const InputError& error) {
+        std::string taken;
+        for (const auto& [port, input] : state.inputs)
+            if (state.store && state.store->disown_if_damaged(input.payload)) taken += " '" + port + "'";
+        if (taken.empty()) throw;
+        throw InputError(
+            fmt::format("{}; the store's copy of{} was damaged and is gone: make it again", error.what(), taken));
+    }
 }
 
 void compute(State& state, const StageBody& body)
 {
     const Timer timer;
     const ConsoleProgress progress(state.line.progress, state.stage.name);
-    body(StageRun(state), state.line.params);
+    call_body(state, body);
     for (const auto& [port, place] : state.line.outputs)
         if (!state.outputs.contains(port))
             throw std::logic_error("stage " + state.stage.name + " did not write '" + port + "'");
-    const Json record = record_of(state, timer.seconds());
+    Json record = record_of(state, timer.seconds());
     if (state.store) {
-        state.store->publish(state.key, {state.outputs, record.dump()});
+        const Timer publishing;
+        state.store->publish(state.key, {state.outputs, record.dump(), state.sizes});
         for (const auto& [port, place] : state.line.outputs)
             state.store->link(state.outputs.at(port), place);
+        fail_point("outputs_linked");
+        record["store_seconds"] = state.store_seconds + publishing.seconds();
     }
-    write_record(state.line, record);
+    write_record(state.line, record.dump(2) + "\n");
+}
+
+std::vector<std::string> payloads_of(const std::map<std::string, InputIdentity>& inputs)
+{
+    std::vector<std::string> payloads;
+    for (const auto& [port, input] : inputs)
+        payloads.push_back(input.payload);
+    return payloads;
+}
+
+void keep_in_store(State& state, const std::string& port, const fs::path& finished)
+{
+    const Timer timer;
+    const std::string& payload = state.outputs.at(port);
+    state.lease->keep(payload);
+    state.sizes[port] = state.store->adopt(finished, payload);
+    state.store_seconds += timer.seconds();
 }
 
 void run(const Stage& stage, const std::vector<ParamSpec>& specs, const CommandLine& line, const StageBody& body)
@@ -163,11 +182,13 @@ void run(const Stage& stage, const std::vector<ParamSpec>& specs, const CommandL
     set_log_level(line.log_level);
     set_thread_count(line.threads);
     limit_memory(line.memory);
-    State state{stage, line, {}, {}, {}, {}};
+    State state{stage, line, {}, {}, {}};
+    const Timer timer;
     if (line.cache != CacheMode::Off) state.store.emplace(line.store);
+    const fs::path stat_cache = state.store ? state.store->stat_cache() : fs::path();
     for (const auto& port : stage.inputs)
         if (const auto it = line.inputs.find(port.name); it != line.inputs.end())
-            state.inputs[port.name] = identify(port, it->second, state.store);
+            state.inputs[port.name] = identify_input({port.name, port.schema_name()}, it->second, stat_cache);
     state.key = key_of(state, specs);
     if (line.key) {
         fmt::print("{}\n{}\n", state.key.hex, state.key.json);
@@ -179,7 +200,14 @@ void run(const Stage& stage, const std::vector<ParamSpec>& specs, const CommandL
         throw Error(ExitCode::Impossible,
                     fmt::format("{}: the store has no result for this key ({}); run it with --cache auto", stage.name,
                                 state.key.hex));
-    const Store::Lease lease(*state.store, state.key);
+    if (!state.store->is_writable()) {
+        log_warning(fmt::format("{}: the store is read-only; the result will not be kept in it", line.store.string()));
+        state.store.reset();
+        return compute(state, body);
+    }
+    state.lease.emplace(*state.store, state.key, payloads_of(state.inputs));
+    fail_point("lease_taken");
+    state.store_seconds = timer.seconds(); // all but waiting for another process is a moment
     if (!serve_from_store(state)) compute(state, body);
 }
 
@@ -191,6 +219,11 @@ int report(const std::string& stage, ExitCode code, const std::string& message)
 }
 
 } // namespace
+
+std::string implementation_of(const Stage& stage)
+{
+    return stage.implementation.empty() ? "builtin/" + stage.name : stage.implementation;
+}
 
 const fs::path& StageRun::in(const std::string& port) const { return state_->line.inputs.at(port); }
 bool StageRun::has(const std::string& port) const { return state_->line.inputs.contains(port); }
@@ -214,8 +247,8 @@ void StageRun::write_artifact_to(const std::string& port, Artifact artifact) con
     state_->outputs[port] = payload;
     if (!state_->store) return write_artifact(state_->line.outputs.at(port), artifact);
     const TemporaryPath temporary(state_->store->temporary_place(port));
-    write_artifact(temporary.path(), artifact);
-    state_->store->adopt(temporary.path(), payload);
+    write_artifact_in_place(temporary.path(), artifact, state_->line.store);
+    keep_in_store(*state_, port, temporary.path());
 }
 
 void StageRun::write_folder(const std::string& port, const std::function<void(const fs::path&)>& fill) const
@@ -230,7 +263,7 @@ void StageRun::write_folder(const std::string& port, const std::function<void(co
     const TemporaryPath temporary(state_->store->temporary_place(port));
     write_folder_atomically(temporary.path(), fill);
     state_->outputs[port] = folder_digest(temporary.path(), {});
-    state_->store->adopt(temporary.path(), state_->outputs[port]);
+    keep_in_store(*state_, port, temporary.path());
 }
 
 int run_stage(const Stage& stage, const std::vector<ParamSpec>& params, int argc, char** argv, const StageBody& body)
