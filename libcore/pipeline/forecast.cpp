@@ -74,7 +74,8 @@ private:
     {
         const std::size_t line = answer.output.find('\n');
         if (answer.exit_code != 0 || answer.timed_out || line == std::string::npos) return std::nullopt;
-        const auto entry = store_.find({answer.output.substr(line + 1), answer.output.substr(0, line)});
+        const std::string json = answer.output.substr(line + 1, answer.output.find_last_not_of('\n') - line);
+        const auto entry = store_.find({json, answer.output.substr(0, line)});
         return entry ? std::optional(entry->outputs) : std::nullopt;
     }
 
