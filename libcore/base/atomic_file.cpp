@@ -233,7 +233,10 @@ void sync_folder(const fs::path& path) { sync_path(path, O_RDONLY | O_DIRECTORY)
 void replace_file(const fs::path& path, std::string_view text)
 {
     std::error_code missing;
-    if (fs::file_size(path, missing) == text.size() && !missing && read_text(path) == text) return;
+    if (fs::file_size(path, missing) == text.size() && !missing && read_text(path) == text) {
+        ::utimensat(AT_FDCWD, path.c_str(), nullptr, 0); // make goes by the time of what a stage wrote last
+        return;
+    }
     remove_abandoned_files(folder_of(path), path.filename().string());
     const TemporaryPath temporary(path);
     std::ofstream file(temporary.path(), std::ios::binary);

@@ -17,8 +17,8 @@ void write_synced(const std::filesystem::path& path, std::string_view text);
 void sync_file(const std::filesystem::path& path);
 void sync_folder(const std::filesystem::path& path);
 
-// Replaces a file whole, but unsynced: for what can be made again after a power failure (records, caches). Leaves it
-// alone when it has this content already.
+// Replaces a file whole, but unsynced: for what can be made again after a power failure (records, caches). A file that
+// has this content already is only dated anew.
 void replace_file(const std::filesystem::path& path, std::string_view text);
 
 // As write_folder_atomically, but unsynced: for links into the store.
