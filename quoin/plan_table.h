@@ -7,7 +7,7 @@
 
 namespace quoin {
 
-// Prints for every task whether the store has its result or it would be computed; runs nothing but `STAGE --key`.
+// Prints for every task whether the store has its result or it would be computed.
 void print_plan(const std::vector<Task>& tasks, const std::filesystem::path& store);
 
 } // namespace quoin

@@ -38,14 +38,15 @@ std::vector<fs::path> code_of(const fs::path& program, const StageDescription& d
 
 bool names_a_path(const std::string& use) { return use.find('/') != std::string::npos || is_command_file(use); }
 
-Catalogue::Catalogue(fs::path folder) : folder_(std::move(folder)) {}
+Catalogue::Catalogue(fs::path folder, const fs::path& cache) : folder_(std::move(folder)), cache_(cache) {}
 
 std::vector<std::string> Catalogue::names()
 {
     std::vector<fs::path> programs;
     for (const auto& entry : fs::directory_iterator(folder_)) {
         const std::string name = entry.path().filename().string();
-        if (is_program(entry.path()) && name != "quoin" && !name.starts_with("test_") && !name.starts_with("bench_"))
+        if (is_program(entry.path()) && !name.starts_with("quoin") && !name.starts_with("test_") &&
+            !name.starts_with("bench_"))
             programs.push_back(entry.path());
     }
     prepare(programs);
@@ -65,27 +66,38 @@ fs::path Catalogue::locate(const std::string& use, const fs::path& relative_to) 
     return fs::path(use).is_absolute() ? fs::path(use) : fs::absolute(relative_to / use).lexically_normal();
 }
 
+void Catalogue::take(const fs::path& program, const std::string& description)
+{
+    Answer& answer = answers_[program];
+    const bool is_foreign = program.parent_path() != folder_;
+    answer.program.path = is_foreign ? command_runner() : program;
+    if (is_foreign) answer.program.leading = {program.string()};
+    answer.program.description = parse_description(description, program.string());
+    if (is_foreign) answer.program.code = code_of(program, answer.program.description);
+}
+
 void Catalogue::prepare(const std::vector<fs::path>& programs)
 {
     std::vector<fs::path> asked;
-    for (const auto& program : programs)
-        if (is_program(program) && !answers_.contains(program) && std::ranges::find(asked, program) == asked.end())
+    for (const auto& program : programs) {
+        if (!is_program(program) || answers_.contains(program) || std::ranges::find(asked, program) != asked.end())
+            continue;
+        if (const auto known = cache_.find(program))
+            take(program, *known);
+        else
             asked.push_back(program);
+    }
     std::vector<Command> commands;
     for (const auto& program : asked)
         commands.push_back({program, {"--describe"}});
     const auto captured = capture_all(commands, kDescribeSeconds);
     for (std::size_t i = 0; i < asked.size(); ++i) {
-        Answer& answer = answers_[asked[i]];
-        const bool is_foreign = asked[i].parent_path() != folder_;
-        answer.program.path = is_foreign ? command_runner() : asked[i];
-        if (is_foreign) answer.program.leading = {asked[i].string()};
         try {
             if (captured[i].timed_out || captured[i].exit_code != 0) throw UsageError(failure(asked[i], captured[i]));
-            answer.program.description = parse_description(captured[i].output, asked[i].string());
-            if (is_foreign) answer.program.code = code_of(asked[i], answer.program.description);
+            take(asked[i], captured[i].output);
+            cache_.remember(asked[i], captured[i].output);
         } catch (const UsageError& error) {
-            answer.error = error.what();
+            answers_[asked[i]].error = error.what();
         }
     }
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pipeline/description.h"
+#include "pipeline/description_cache.h"
 #include "pipeline/source.h"
 
 #include <filesystem>
@@ -15,7 +16,8 @@ namespace quoin {
 class Catalogue {
 public:
     // `folder` holds the stage executables: build/release/bin, or where Quoin is installed.
-    explicit Catalogue(std::filesystem::path folder);
+    // `cache` remembers the answers of compiled programs between runs; empty = ask every time.
+    explicit Catalogue(std::filesystem::path folder, const std::filesystem::path& cache = user_cache_folder());
 
     // Names of the executables in the folder that answer --describe under their own name, sorted.
     std::vector<std::string> names();
@@ -38,7 +40,10 @@ private:
         Program program;
         std::string error; // why the description cannot be used
     };
+    void take(const std::filesystem::path& program, const std::string& description);
+
     std::filesystem::path folder_;
+    DescriptionCache cache_;
     std::map<std::filesystem::path, Answer> answers_;
 };
 

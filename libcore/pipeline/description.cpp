@@ -68,6 +68,7 @@ ParamSpec parse_param_spec(const Json& json)
     if (const auto it = json.find("choices"); it != json.end() && it->is_array())
         spec.choices = it->get<std::vector<std::string>>();
     spec.flags.affects_result = json.value("affects_result", true);
+    spec.flags.has_neutral = json.contains("neutral"); // it is the default
     return spec;
 }
 
@@ -96,6 +97,7 @@ StageDescription parse_description(const std::string& text, const std::string& w
         StageDescription stage;
         stage.name = json.at("name").get<std::string>();
         stage.summary = json.value("summary", "");
+        stage.implementation = json.value("impl", "");
         stage.impl_version = json.value("impl_version", 1);
         for (const auto& port : json.at("inputs"))
             stage.inputs.push_back(parse_port(port));

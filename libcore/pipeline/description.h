@@ -22,6 +22,7 @@ struct PortDescription {
 struct StageDescription {
     std::string name;
     std::string summary;
+    std::string implementation; // as it enters the cache key; "" = a program that does not look into the store itself
     int impl_version = 1;
     std::vector<PortDescription> inputs;
     std::vector<PortDescription> outputs;

@@ -1,5 +1,4 @@
-// What a run would do, without doing it: the stages themselves say their keys (`STAGE --key`), the store says which it
-// has.
+// What a run would do, without doing it: no stage is started, the store says what it has.
 #pragma once
 
 #include "pipeline/plan.h"

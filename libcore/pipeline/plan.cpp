@@ -1,6 +1,7 @@
 #include "pipeline/plan.h"
 
 #include "base/error.h"
+#include "store/identity.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -37,11 +38,36 @@ std::vector<bool> select_nodes(const Graph& graph, const Selection& selection)
     return selected;
 }
 
+using NodeKeys = std::vector<std::shared_ptr<const KeyParts>>; // one a node; the tasks of all scans share them
+
+NodeKeys key_parts(const Graph& graph)
+{
+    NodeKeys keys;
+    for (const auto& node : graph.nodes) {
+        const StageDescription& stage = node.program.description;
+        if (stage.implementation.empty() || !node.program.leading.empty()) { // run-command keys foreign programs by their code
+            keys.push_back(nullptr);
+            continue;
+        }
+        KeyParts parts{stage.name, stage.implementation, stage.impl_version, {}, {}, {}};
+        for (const auto& port : stage.outputs)
+            parts.outputs[port.name] = versioned_schema(port.schema, port.version);
+        ParamValues values;
+        for (const auto& spec : stage.params)
+            values[spec.name] = spec.default_value;
+        for (const auto& param : node.params)
+            values[param.name] = param.value;
+        parts.params = key_params(stage.params, values);
+        keys.push_back(std::make_shared<const KeyParts>(std::move(parts)));
+    }
+    return keys;
+}
+
 // Makes the tasks of one scan.
 class Planner {
 public:
-    Planner(const Graph& graph, const NamedScan& scan, const Layout& layout)
-        : graph_(graph), scan_(scan), layout_(layout)
+    Planner(const Graph& graph, const NamedScan& scan, const Layout& layout, const NodeKeys& keys)
+        : graph_(graph), scan_(scan), layout_(layout), keys_(keys)
     {
     }
 
@@ -54,8 +80,13 @@ public:
         task.node = index;
         task.program = node.program.path;
         task.leading = node.program.leading;
+        task.key = keys_[index];
         for (const auto& input : node.inputs)
-            task.inputs.push_back({input.port, source(input), {}, input.from_port});
+            task.inputs.push_back({input.port,
+                                   source(input),
+                                   {},
+                                   input.from_port,
+                                   find_port(node.program.description.inputs, input.port)->schema});
         for (const auto& port : node.program.description.outputs)
             task.outputs.push_back({port.name, layout_.output(scan_.name, node.name, port.name, port.schema)});
         for (const auto& param : node.params)
@@ -79,6 +110,7 @@ private:
     const Graph& graph_;
     const NamedScan& scan_;
     const Layout& layout_;
+    const NodeKeys& keys_;
 };
 
 // A result that is relied on without being made must be there.
@@ -90,11 +122,9 @@ void require_result(const Task& task, const TaskInput& input, const std::string&
                                  input.path.string(), task.stage, made_by));
 }
 
-void plan_scan(const Graph& graph, const NamedScan& scan, const Layout& layout, const Selection& selection,
-               std::vector<Task>& tasks)
+void plan_scan(const Graph& graph, const Planner& planner, const Selection& selection, std::vector<Task>& tasks)
 {
     const std::vector<bool> selected = select_nodes(graph, selection);
-    const Planner planner(graph, scan, layout);
     std::map<std::size_t, std::size_t> task_of; // by node
     for (std::size_t i = 0; i < graph.nodes.size(); ++i) {
         if (!selected[i]) continue;
@@ -148,8 +178,9 @@ std::vector<Task> plan_tasks(const Graph& graph, const std::vector<NamedScan>& s
                              const Selection& selection)
 {
     std::vector<Task> tasks;
+    const NodeKeys keys = key_parts(graph);
     for (const auto& scan : scans)
-        plan_scan(graph, scan, layout, selection, tasks);
+        plan_scan(graph, Planner(graph, scan, layout, keys), selection, tasks);
     return tasks;
 }
 

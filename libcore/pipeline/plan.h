@@ -3,9 +3,11 @@
 
 #include "pipeline/graph.h"
 #include "pipeline/layout.h"
+#include "store/key.h"
 
 #include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,6 +34,7 @@ struct TaskInput {
     std::optional<std::size_t>
         from; // the task that makes it; none = the scan folder, or a result that --from relies on
     std::string from_port;
+    std::string schema; // that the port takes
 };
 
 struct TaskOutput {
@@ -50,8 +53,9 @@ struct Task {
     std::vector<std::string> settings; // "name=value"
     std::filesystem::path scan_root;   // empty unless the stage reads images
     std::filesystem::path record;
-    bool is_forced = false;         // computed even when the store has it
-    std::vector<std::size_t> after; // indices of tasks; always smaller than its own
+    bool is_forced = false;              // computed even when the store has it
+    std::shared_ptr<const KeyParts> key; // all but the inputs; null when the program's keys are its own business
+    std::vector<std::size_t> after;      // indices of tasks; always smaller than its own
 };
 
 // The task's command line: ports, parameters, store and record; threads and memory are added when it starts.

@@ -160,7 +160,7 @@ void ChildProcess::signal_group(int signal) const
     if (pid_ > 0 && ::kill(-pid_, signal) != 0) ::kill(pid_, signal);
 }
 
-std::vector<Captured> capture_all(const std::vector<Command>& commands, double timeout_seconds)
+std::vector<Captured> capture_all(const std::vector<Command>& commands, double timeout_seconds, Streams streams)
 {
     constexpr std::size_t kSideBySide = 32;
     std::vector<Captured> results(commands.size());
@@ -168,7 +168,7 @@ std::vector<Captured> capture_all(const std::vector<Command>& commands, double t
         const std::size_t end = std::min(commands.size(), begin + kSideBySide);
         std::vector<ChildProcess> children;
         for (std::size_t i = begin; i < end; ++i)
-            children.emplace_back(commands[i].program, commands[i].arguments, Streams::OutputOnly);
+            children.emplace_back(commands[i].program, commands[i].arguments, streams);
         const Timer timer;
         for (std::size_t i = begin; i < end; ++i)
             results[i] = capture(children[i - begin], timer, timeout_seconds);

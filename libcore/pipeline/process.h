@@ -53,8 +53,9 @@ struct Command {
     std::vector<std::string> arguments;
 };
 
-// Runs all commands, a few side by side, and returns what each wrote to stdout. The timeout is for each of them.
-std::vector<Captured> capture_all(const std::vector<Command>& commands, double timeout_seconds);
+// Runs all commands, a few side by side, and returns what each wrote. The timeout is for each of them.
+std::vector<Captured> capture_all(const std::vector<Command>& commands, double timeout_seconds,
+                                  Streams streams = Streams::OutputOnly);
 
 // The program of that name in $PATH, if there is one.
 std::optional<std::filesystem::path> find_program(const std::string& name);

@@ -6,11 +6,10 @@
 
 namespace quoin {
 
-std::optional<RunRecord> read_run_record(const std::filesystem::path& path)
+std::optional<RunRecord> parse_run_record(const std::string& text)
 {
-    if (!std::filesystem::is_regular_file(path)) return std::nullopt;
     try {
-        const auto json = nlohmann::json::parse(read_text(path));
+        const auto json = nlohmann::json::parse(text);
         RunRecord record;
         record.stage = json.at("stage").get<std::string>();
         record.key = json.value("key", "");
@@ -25,6 +24,12 @@ std::optional<RunRecord> read_run_record(const std::filesystem::path& path)
     } catch (const nlohmann::json::exception&) {
         return std::nullopt;
     }
+}
+
+std::optional<RunRecord> read_run_record(const std::filesystem::path& path)
+{
+    if (!std::filesystem::is_regular_file(path)) return std::nullopt;
+    return parse_run_record(read_text(path));
 }
 
 } // namespace quoin

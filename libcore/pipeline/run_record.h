@@ -23,6 +23,9 @@ struct RunRecord {
     std::string params_json = "{}";
 };
 
+// From the JSON of a record; none when it is damaged.
+std::optional<RunRecord> parse_run_record(const std::string& json);
+
 // None when the file is missing or damaged: a record never decides whether something runs.
 std::optional<RunRecord> read_run_record(const std::filesystem::path& path);
 

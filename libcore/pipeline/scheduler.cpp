@@ -4,6 +4,7 @@
 #include "base/timer.h"
 #include "pipeline/running_task.h"
 #include "pipeline/signal_queue.h"
+#include "pipeline/stored_results.h"
 
 #include <algorithm>
 #include <csignal>
@@ -19,9 +20,10 @@ constexpr double kGraceSeconds = 10.0; // that a stage has for cleaning up after
 class Scheduler {
 public:
     Scheduler(const std::vector<Task>& tasks, const Budget& budget, RunObserver& observer)
-        : tasks_(tasks), budget_(budget), observer_(observer), free_{std::max(1, budget.threads), budget.memory},
+        : tasks_(tasks), budget_(budget), observer_(observer),
+          stored_(tasks, budget.store), free_{std::max(1, budget.threads), budget.memory},
           max_running_(static_cast<std::size_t>(std::clamp(budget.jobs, 1, std::max(1, budget.threads)))),
-          is_started_(tasks.size(), false)
+          is_started_(tasks.size(), false), is_second_try_(tasks.size(), false), is_looked_up_(tasks.size(), false)
     {
         outcome_.results.resize(tasks.size());
     }
@@ -60,11 +62,34 @@ private:
                std::ranges::all_of(tasks_[task].after, [&](std::size_t before) { return is_done(before); });
     }
 
-    void start_ready_tasks()
+    std::vector<std::size_t> ready_tasks() const
     {
         std::vector<std::size_t> ready;
         for (std::size_t i = 0; i < tasks_.size(); ++i)
             if (is_ready(i)) ready.push_back(i);
+        return ready;
+    }
+
+    // Takes from the store what it has of the ready tasks. True when there was any: more may be ready then.
+    bool take_stored(const std::vector<std::size_t>& ready)
+    {
+        bool took_any = false;
+        for (const std::size_t task : ready) {
+            if (is_looked_up_[task] || !may_start()) continue;
+            is_looked_up_[task] = true;
+            auto result = stored_.take(task);
+            if (!result) continue;
+            is_started_[task] = took_any = true;
+            finish(task, std::move(*result));
+        }
+        return took_any;
+    }
+
+    void start_ready_tasks()
+    {
+        auto ready = ready_tasks();
+        while (take_stored(ready))
+            ready = ready_tasks();
         for (std::size_t i = 0; i < ready.size() && running_.size() < max_running_ && may_start(); ++i)
             start(ready[i], fair_share(std::min(ready.size() - i, max_running_ - running_.size())));
     }
@@ -123,25 +148,46 @@ private:
             free_.threads += running->share().threads;
             free_.memory += running->share().memory;
             if (is_ending() && result->state == TaskState::Failed) result->state = TaskState::Stopped;
-            finish(running->index(), std::move(*result));
+            if (result->state != TaskState::Failed || !run_damaged_again(running->index()))
+                finish(running->index(), std::move(*result));
             running.reset();
         }
         std::erase(running_, nullptr);
+    }
+
+    // A task may have failed because the store's copy of an input was damaged: whoever made it runs again, then the
+    // task.
+    bool run_damaged_again(std::size_t task)
+    {
+        if (is_second_try_[task]) return false;
+        const auto damaged = stored_.damaged_inputs(task);
+        for (const std::size_t maker : damaged) {
+            observer_.said(maker, "its result in the store was damaged; computing it again");
+            outcome_.results[maker] = {};
+            is_started_[maker] = false;
+        }
+        is_second_try_[task] = true;
+        if (!damaged.empty()) is_started_[task] = false;
+        return !damaged.empty();
     }
 
     void finish(std::size_t task, TaskResult result)
     {
         if (result.state == TaskState::Failed && outcome_.exit_code == 0) outcome_.exit_code = result.end.exit_code;
         outcome_.results[task] = std::move(result);
+        stored_.add(task, outcome_.results[task]);
         observer_.ended(task, outcome_.results[task]);
     }
 
     const std::vector<Task>& tasks_;
     const Budget& budget_;
     RunObserver& observer_;
+    StoredResults stored_;
     Share free_;
     std::size_t max_running_;
     std::vector<bool> is_started_;
+    std::vector<bool> is_second_try_;
+    std::vector<bool> is_looked_up_; // in the store, once it was ready
     std::vector<std::unique_ptr<RunningTask>> running_;
     RunOutcome outcome_;
     int ending_signal_ = 0;

@@ -1,5 +1,6 @@
 // Runs tasks as soon as those that they wait for are done: independent ones side by side, within one budget of threads
-// and memory. A signal to the driver ends every child; nothing half-written stays, as stages publish whole files only.
+// and memory. What the store has is put in its place without starting the stage. A signal to the driver ends every
+// child; nothing half-written stays, as stages publish whole files only.
 #pragma once
 
 #include "pipeline/plan.h"
@@ -49,7 +50,7 @@ struct TaskProgress {
 class RunObserver {
 public:
     virtual ~RunObserver() = default;
-    virtual void started(std::size_t task) = 0;
+    virtual void started(std::size_t task) = 0; // not called for a task whose result the store has
     virtual void progressed(std::size_t task, const TaskProgress& progress) = 0;
     virtual void said(std::size_t task, const std::string& line) = 0; // anything else that the stage printed
     virtual void ended(std::size_t task, const TaskResult& result) = 0;

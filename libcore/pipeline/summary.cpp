@@ -1,6 +1,7 @@
 #include "pipeline/summary.h"
 
 #include "base/atomic_file.h"
+#include "base/durable_file.h"
 #include "pipeline/run_record.h"
 
 #include <nlohmann/json.hpp>
@@ -47,7 +48,7 @@ std::optional<std::filesystem::path> write_summary(const Graph& graph, const std
     summary["pipeline"] = graph.name;
     summary["seconds"] = seconds;
     summary["stages"] = std::move(stages);
-    write_atomically(model / "summary.json", summary.dump(2) + "\n");
+    replace_file(model / "summary.json", summary.dump(2) + "\n");
     return model / "summary.json";
 }
 

@@ -1,7 +1,12 @@
 // The whole data path on a small synthetic room, by the driver and by make.
 #include "artifact/artifact.h"
 #include "base/atomic_file.h"
+#include "pipeline/catalogue.h"
+#include "pipeline/graph.h"
+#include "pipeline/pipeline_file.h"
+#include "pipeline/plan.h"
 #include "pipeline/run_record.h"
+#include "pipeline/task_keys.h"
 #include "support/command.h"
 #include "support/temporary_folder.h"
 
@@ -66,6 +71,23 @@ protected:
 
     inline static std::unique_ptr<TemporaryFolder> folder_;
 };
+
+TEST_F(EndToEnd, DriverAndStagesComputeTheSameKeys)
+{
+    Problems problems;
+    const Pipeline pipeline = read_pipeline(QUOIN_SOURCE_DIR "/pipelines/indoor.yaml", problems);
+    Catalogue catalogue(kBin);
+    const Graph graph = build_graph(pipeline, catalogue, std::move(problems));
+    const auto tasks = plan_tasks(graph, parse_scans({path("room")}), {path("one"), path("one/.store")}, {});
+    TaskKeys keys(tasks, {});
+    for (std::size_t i = 0; i < tasks.size(); ++i) {
+        const auto record = read_run_record(tasks[i].record); // written by the stage
+        const auto key = keys.key(i);
+        ASSERT_TRUE(record && key) << tasks[i].stage;
+        EXPECT_EQ(key->hex, record->key) << tasks[i].stage << ": " << key->json;
+        keys.set_outputs(i, record->outputs);
+    }
+}
 
 TEST_F(EndToEnd, MakesAModelWithASummaryOfEveryStage)
 {
