@@ -176,7 +176,7 @@ int ablate_verb(const Arguments& arguments)
     }
     Budget budget = options.budget.complete(scans.size() * variants.size(), layout);
     budget.keep_going = true; // a variant that fails leaves a gap in the table
-    const RunOutcome outcome = carry_out(tasks, budget);
+    const RunOutcome outcome = carry_out(tasks, budget, variants.front().graph.name);
     const auto measurements = measure_all(variants, scans, layout, tasks, outcome);
     const auto& patterns = options.metrics.empty() ? study.metrics : options.metrics;
     const Comparison comparison = compare(measurements, patterns);

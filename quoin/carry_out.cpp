@@ -2,6 +2,7 @@
 
 #include "base/timer.h"
 #include "pipeline/display.h"
+#include "pipeline/run_log.h"
 #include "pipeline/text_figures.h"
 
 #include <algorithm>
@@ -34,13 +35,15 @@ std::string outcome_text(const RunOutcome& outcome, double seconds)
 
 } // namespace
 
-RunOutcome carry_out(const std::vector<Task>& tasks, const Budget& budget)
+RunOutcome carry_out(const std::vector<Task>& tasks, const Budget& budget, const std::string& pipeline)
 {
     const Timer timer;
     RunOutcome outcome;
     {
         Display display(tasks, ::isatty(STDERR_FILENO) != 0);
-        outcome = run_tasks(tasks, budget, display);
+        RunLog log(tasks, budget.store, pipeline, display);
+        outcome = run_tasks(tasks, budget, log);
+        log.end(outcome, timer.seconds());
     }
     fmt::print(stderr, "{}\n", outcome_text(outcome, timer.seconds()));
     return outcome;

@@ -34,6 +34,12 @@ constexpr std::array kVerbs{
     Verb{"stage-check", "test whether a program honours the stage contract", stage_check_verb},
     Verb{"inspect", "show what an artifact holds and where it comes from", inspect_verb},
     Verb{"report", "write a page that shows a model and its figures", report_verb},
+    Verb{"diff", "compare two artifacts, or the results of two runs", diff_verb},
+    Verb{"log", "show the runs that used the store, and what their stages said", log_verb},
+    Verb{"verify", "read every result of the store; --rerun computes them again and compares", verify_verb},
+    Verb{"gc", "free space in the store", gc_verb},
+    Verb{"pin", "keep results from gc", pin_verb},
+    Verb{"du", "show the disk that the store takes, by stage and variant", du_verb},
 };
 
 void print_help()

@@ -49,7 +49,7 @@ int run_verb(const Arguments& arguments)
         print_plan(tasks, layout.store);
         return 0;
     }
-    const RunOutcome outcome = carry_out(tasks, budget.complete(scans.size(), layout));
+    const RunOutcome outcome = carry_out(tasks, budget.complete(scans.size(), layout), graph.name);
     if (outcome.exit_code == 0) print_results(graph, scans, layout);
     return outcome.exit_code;
 }

@@ -20,5 +20,11 @@ int submit_verb(const Arguments& arguments);
 int stage_check_verb(const Arguments& arguments);
 int inspect_verb(const Arguments& arguments);
 int report_verb(const Arguments& arguments);
+int diff_verb(const Arguments& arguments);
+int log_verb(const Arguments& arguments);
+int verify_verb(const Arguments& arguments);
+int gc_verb(const Arguments& arguments);
+int pin_verb(const Arguments& arguments);
+int du_verb(const Arguments& arguments);
 
 } // namespace quoin

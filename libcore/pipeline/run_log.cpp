@@ -37,7 +37,10 @@ void RunLog::ended(std::size_t task, const TaskResult& result)
 {
     if (file_) {
         RunTask line;
-        line.scan = tasks_[task].scan;
+        const std::string& scan = tasks_[task].scan;
+        const std::size_t slash = scan.rfind('/'); // VARIANT/SCAN when variants are compared
+        line.scan = scan.substr(slash == std::string::npos ? 0 : slash + 1);
+        if (slash != std::string::npos) line.variant = scan.substr(0, slash);
         line.stage = tasks_[task].stage;
         line.state = name_of(result.state);
         line.seconds = result.seconds;
