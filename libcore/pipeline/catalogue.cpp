@@ -76,16 +76,26 @@ void Catalogue::take(const fs::path& program, const std::string& description)
     if (is_foreign) answer.program.code = code_of(program, answer.program.description);
 }
 
+bool Catalogue::take_known(const fs::path& program)
+{
+    const auto known = cache_.find(program);
+    if (!known) return false;
+    try {
+        take(program, *known);
+        return true;
+    } catch (const UsageError&) { // the cache is damaged: the program itself knows
+        answers_.erase(program);
+        return false;
+    }
+}
+
 void Catalogue::prepare(const std::vector<fs::path>& programs)
 {
     std::vector<fs::path> asked;
     for (const auto& program : programs) {
         if (!is_program(program) || answers_.contains(program) || std::ranges::find(asked, program) != asked.end())
             continue;
-        if (const auto known = cache_.find(program))
-            take(program, *known);
-        else
-            asked.push_back(program);
+        if (!take_known(program)) asked.push_back(program);
     }
     std::vector<Command> commands;
     for (const auto& program : asked)

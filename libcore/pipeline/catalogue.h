@@ -41,6 +41,7 @@ private:
         std::string error; // why the description cannot be used
     };
     void take(const std::filesystem::path& program, const std::string& description);
+    bool take_known(const std::filesystem::path& program); // from the cache
 
     std::filesystem::path folder_;
     DescriptionCache cache_;
