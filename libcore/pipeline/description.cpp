@@ -107,6 +107,10 @@ StageDescription parse_description(const std::string& text, const std::string& w
             stage.params.push_back(parse_param_spec(param));
         stage.reads_images = json.value("reads_images", false);
         stage.code = json.value("code", stage.code);
+        if (const Json resources = json.value("resources", Json::object()); resources.is_object()) {
+            stage.cores = resources.value("cores", 0);
+            stage.memory_formula = resources.value("memory", "");
+        }
         return stage;
     } catch (const std::exception& error) {
         throw UsageError(fmt::format(

@@ -39,6 +39,15 @@ std::vector<bool> select_nodes(const Graph& graph, const Selection& selection)
 }
 
 using NodeKeys = std::vector<std::shared_ptr<const KeyParts>>; // one a node; the tasks of all scans share them
+using NodeDescriptions = std::vector<std::shared_ptr<const StageDescription>>; // the same
+
+NodeDescriptions descriptions(const Graph& graph)
+{
+    NodeDescriptions shared;
+    for (const auto& node : graph.nodes)
+        shared.push_back(std::make_shared<const StageDescription>(node.program.description));
+    return shared;
+}
 
 NodeKeys key_parts(const Graph& graph)
 {
@@ -52,12 +61,7 @@ NodeKeys key_parts(const Graph& graph)
         KeyParts parts{stage.name, stage.implementation, stage.impl_version, {}, {}, {}};
         for (const auto& port : stage.outputs)
             parts.outputs[port.name] = versioned_schema(port.schema, port.version);
-        ParamValues values;
-        for (const auto& spec : stage.params)
-            values[spec.name] = spec.default_value;
-        for (const auto& param : node.params)
-            values[param.name] = param.value;
-        parts.params = key_params(stage.params, values);
+        parts.params = key_params(stage.params, values_of(node));
         keys.push_back(std::make_shared<const KeyParts>(std::move(parts)));
     }
     return keys;
@@ -66,8 +70,9 @@ NodeKeys key_parts(const Graph& graph)
 // Makes the tasks of one scan.
 class Planner {
 public:
-    Planner(const Graph& graph, const NamedScan& scan, const Layout& layout, const NodeKeys& keys)
-        : graph_(graph), scan_(scan), layout_(layout), keys_(keys)
+    Planner(const Graph& graph, const NamedScan& scan, const Layout& layout, const NodeKeys& keys,
+            const NodeDescriptions& descriptions)
+        : graph_(graph), scan_(scan), layout_(layout), keys_(keys), descriptions_(descriptions)
     {
     }
 
@@ -81,6 +86,7 @@ public:
         task.program = node.program.path;
         task.leading = node.program.leading;
         task.key = keys_[index];
+        task.description = descriptions_[index];
         for (const auto& input : node.inputs)
             task.inputs.push_back({input.port,
                                    source(input),
@@ -88,7 +94,8 @@ public:
                                    input.from_port,
                                    find_port(node.program.description.inputs, input.port)->schema});
         for (const auto& port : node.program.description.outputs)
-            task.outputs.push_back({port.name, layout_.output(scan_.name, node.name, port.name, port.schema)});
+            task.outputs.push_back(
+                {port.name, layout_.output(scan_.name, node.name, port.name, port.schema), port.schema});
         for (const auto& param : node.params)
             task.settings.push_back(param.name + "=" + format_param(param.value));
         const GraphInput* folder = node.program.description.reads_images ? graph_.scan_folder(index) : nullptr;
@@ -111,6 +118,7 @@ private:
     const NamedScan& scan_;
     const Layout& layout_;
     const NodeKeys& keys_;
+    const NodeDescriptions& descriptions_;
 };
 
 // A result that is relied on without being made must be there.
@@ -179,8 +187,9 @@ std::vector<Task> plan_tasks(const Graph& graph, const std::vector<NamedScan>& s
 {
     std::vector<Task> tasks;
     const NodeKeys keys = key_parts(graph);
+    const NodeDescriptions shared = descriptions(graph);
     for (const auto& scan : scans)
-        plan_scan(graph, Planner(graph, scan, layout, keys), selection, tasks);
+        plan_scan(graph, Planner(graph, scan, layout, keys, shared), selection, tasks);
     return tasks;
 }
 

@@ -40,6 +40,7 @@ struct TaskInput {
 struct TaskOutput {
     std::string port;
     std::filesystem::path path;
+    std::string schema;
 };
 
 struct Task {
@@ -53,7 +54,8 @@ struct Task {
     std::vector<std::string> settings; // "name=value"
     std::filesystem::path scan_root;   // empty unless the stage reads images
     std::filesystem::path record;
-    bool is_forced = false;              // computed even when the store has it
+    std::shared_ptr<const StageDescription> description; // the tasks of all scans share it
+    bool is_forced = false;                              // computed even when the store has it
     std::shared_ptr<const KeyParts> key; // all but the inputs; null when the program's keys are its own business
     std::vector<std::size_t> after;      // indices of tasks; always smaller than its own
 };
