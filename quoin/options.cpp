@@ -96,7 +96,8 @@ void BudgetOptions::add_to(CLI::App& app)
         ->check(CLI::PositiveNumber);
     app.add_option("--threads", budget.threads, "threads of all stages together (default: all)")
         ->check(CLI::NonNegativeNumber);
-    app.add_option("--memory", memory, "memory of all stages together, like 16G");
+    app.add_option("--memory", memory, "memory of all stages together, like 16G; they are told to keep to it");
+    app.add_option("--timeout", timeout, "time that a stage may take, like 90s, 30m or 2h (default: any)");
     app.add_option("--log-level", budget.log_level, "what stages say: debug, info, warning, error or off")
         ->capture_default_str();
 }
@@ -108,6 +109,7 @@ Budget BudgetOptions::complete(std::size_t scans, const Layout& layout) const
     if (complete.threads == 0) complete.threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
     if (complete.jobs == 0) complete.jobs = std::clamp(complete.threads / kThreadsPerScan, 1, static_cast<int>(scans));
     if (!memory.empty()) complete.memory = parse_bytes(memory, "--memory");
+    if (!timeout.empty()) complete.timeout = parse_duration(timeout, "--timeout");
     parse_log_level(complete.log_level);
     complete.store = layout.store;
     return complete;

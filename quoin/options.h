@@ -56,6 +56,7 @@ struct SelectionOptions {
 struct BudgetOptions {
     Budget budget; // jobs and threads: 0 = left open
     std::string memory;
+    std::string timeout;
 
     void add_to(CLI::App& app);
 

@@ -14,21 +14,30 @@ namespace {
 constexpr double kFrameSeconds = 0.1; // between two drawings on a terminal
 constexpr double kLineSeconds = 5.0;  // between two progress lines elsewhere
 
+bool are_of_one_scan(const std::vector<Task>& tasks)
+{
+    return std::ranges::all_of(tasks, [&](const Task& task) { return task.scan == tasks.front().scan; });
+}
+
 std::vector<std::string> make_labels(const std::vector<Task>& tasks)
 {
-    const bool has_one_scan =
-        std::ranges::all_of(tasks, [&](const Task& task) { return task.scan == tasks.front().scan; });
+    const bool has_one_scan = are_of_one_scan(tasks);
     std::vector<std::string> labels;
     for (const auto& task : tasks)
         labels.push_back(has_one_scan ? task.stage : task.scan + "/" + task.stage);
     return labels;
 }
 
-std::size_t terminal_width()
+struct Extent {
+    std::size_t columns = 80;
+    std::size_t rows = 24;
+};
+
+Extent terminal_extent()
 {
-    constexpr std::size_t kUsual = 80;
     winsize size{};
-    return ::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : kUsual;
+    if (::ioctl(STDERR_FILENO, TIOCGWINSZ, &size) != 0 || size.ws_col == 0 || size.ws_row == 0) return {};
+    return {size.ws_col, size.ws_row};
 }
 
 std::string bar(double fraction)
@@ -61,7 +70,7 @@ void write_line(const std::string& text) { std::fwrite(text.data(), 1, text.size
 } // namespace
 
 Display::Display(const std::vector<Task>& tasks, bool on_terminal)
-    : labels_(make_labels(tasks)), on_terminal_(on_terminal)
+    : labels_(make_labels(tasks)), has_many_scans_(!are_of_one_scan(tasks)), on_terminal_(on_terminal)
 {
     for (const auto& label : labels_)
         label_width_ = std::max(label_width_, label.size());
@@ -97,6 +106,10 @@ void Display::said(std::size_t task, const std::string& line)
 void Display::ended(std::size_t task, const TaskResult& result)
 {
     live_.erase(task);
+    computed_ += result.state == TaskState::Computed;
+    stored_ += result.state == TaskState::Cached;
+    failed_ += result.state == TaskState::Failed;
+    if (has_many_scans_ && result.state == TaskState::Cached) return; // a hundred scans would hide what happens
     print(fmt::format("{:<{}}  {}", labels_[task], label_width_, end_text(result)));
 }
 
@@ -148,14 +161,32 @@ void Display::erase_live_lines()
     drawn_lines_ = 0;
 }
 
+std::string Display::summary_line() const
+{
+    std::string text = fmt::format("{} of {} stages", computed_ + stored_, labels_.size());
+    if (stored_ > 0) text += fmt::format(", {} of them in the store", stored_);
+    if (!live_.empty()) text += fmt::format(", {} running", live_.size());
+    if (failed_ > 0) text += fmt::format(", {} failed", failed_);
+    return text + ", " + duration_text(timer_.seconds());
+}
+
+// As many running tasks as fit, and the summary.
 void Display::draw_live_lines()
 {
     if (!on_terminal_) return;
     erase_live_lines();
-    const std::size_t width = terminal_width() - 1;
+    const Extent terminal = terminal_extent();
+    constexpr std::size_t kOtherRows = 3; // summary, the line that says how many are not shown, the cursor
+    const std::size_t most = std::max<std::size_t>(1, terminal.rows - std::min(terminal.rows, kOtherRows));
+    const auto draw = [&](const std::string& line) {
+        write_line(line.substr(0, terminal.columns - 1) + "\n");
+        ++drawn_lines_;
+    };
+    std::size_t shown = 0;
     for (const auto& [task, live] : live_)
-        write_line(live_line(task, live).substr(0, width) + "\n");
-    drawn_lines_ = live_.size();
+        if (shown < most && ++shown > 0) draw(live_line(task, live));
+    if (shown < live_.size()) draw(fmt::format("... and {} more", live_.size() - shown));
+    if (has_many_scans_ && !live_.empty()) draw(summary_line());
 }
 
 } // namespace quoin

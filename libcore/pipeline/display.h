@@ -1,4 +1,5 @@
-// Shows a run to a person: on a terminal one live line a running task, elsewhere one line an event.
+// Shows a run to a person: on a terminal one live line a running task and a summary below them, elsewhere one line an
+// event.
 #pragma once
 
 #include "base/timer.h"
@@ -35,11 +36,15 @@ private:
     std::string live_line(std::size_t task, const Live& live) const;
     void print(const std::string& line);
     void print_due_lines();
+    std::string summary_line() const;
     void erase_live_lines();
     void draw_live_lines();
 
     std::vector<std::string> labels_; // one a task
     std::size_t label_width_ = 0;
+    bool has_many_scans_ = false; // whose stored results are counted only
+    std::size_t computed_ = 0, stored_ = 0, failed_ = 0;
+    Timer timer_;
     bool on_terminal_;
     std::map<std::size_t, Live> live_;
     std::size_t drawn_lines_ = 0;

@@ -5,11 +5,15 @@
 namespace quoin {
 namespace {
 
+constexpr std::size_t kLongestLine = 1 << 16;  // bytes; what is longer is cut into such pieces
+constexpr std::size_t kLongestShown = 1 << 10; // bytes of a piece
+
 void take_line(std::string line, const std::function<void(const std::string&)>& take)
 {
     while (line.ends_with('\r'))
         line.pop_back();
     if (const std::size_t last = line.rfind('\r'); last != std::string::npos) line.erase(0, last + 1);
+    if (line.size() > kLongestShown) line = line.substr(0, kLongestShown) + " ...";
     if (!line.empty()) take(line);
 }
 
@@ -35,6 +39,7 @@ void LineReader::take_lines(const std::function<void(const std::string&)>& take)
         start = end + 1;
     }
     pending.erase(0, start);
+    if (pending.size() > kLongestLine) take_line(std::exchange(pending, {}), take); // no line at all
 }
 
 void LineReader::take_rest(const std::function<void(const std::string&)>& take)

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
+#include <fstream>
 #include <poll.h>
 #include <sstream>
 #include <sys/prctl.h>
@@ -50,6 +51,28 @@ Pipe open_pipe()
     ::dup2(streams == Streams::Merged ? output : nothing, STDERR_FILENO);
     ::execv(argv[0], argv);
     ::_exit(kNotStarted);
+}
+
+// Other processes of the group, by /proc/PID/stat: "PID (name) state parent group ...".
+std::size_t count_others(pid_t group)
+{
+    std::size_t count = 0;
+    std::error_code error;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc", error)) {
+        const std::string name = entry.path().filename().string();
+        if (name.find_first_not_of("0123456789") != std::string::npos || name == std::to_string(group)) continue;
+        std::ifstream file(entry.path() / "stat");
+        std::string line;
+        std::getline(file, line);
+        const std::size_t bracket = line.rfind(')');
+        if (bracket == std::string::npos) continue; // gone meanwhile
+        std::istringstream fields(line.substr(bracket + 1));
+        char state = 0;
+        pid_t parent = 0;
+        pid_t its_group = 0;
+        if (fields >> state >> parent >> its_group && its_group == group && state != 'Z') ++count;
+    }
+    return count;
 }
 
 ProcessEnd describe_end(int status, const rusage& usage)
@@ -146,13 +169,16 @@ std::optional<ProcessEnd> ChildProcess::poll_end()
     if (pid_ <= 0 || ::waitid(P_PID, static_cast<id_t>(pid_), &info, WEXITED | WNOHANG | WNOWAIT) != 0 ||
         info.si_pid == 0)
         return std::nullopt;
+    const std::size_t left_behind = count_others(pid_);
     signal_group(SIGKILL); // while the process is not reaped its group id cannot belong to anybody else
     int status = 0;
     rusage usage{};
     while (::wait4(pid_, &status, 0, &usage) < 0 && errno == EINTR) {
     }
     pid_ = -1;
-    return describe_end(status, usage);
+    ProcessEnd end = describe_end(status, usage);
+    end.left_behind = left_behind;
+    return end;
 }
 
 void ChildProcess::signal_group(int signal) const

@@ -14,6 +14,7 @@ struct ProcessEnd {
     int exit_code = 0;                   // 128+n after signal n
     std::uint64_t peak_memory_bytes = 0; // largest resident set
     double cpu_seconds = 0.0;            // user and system
+    std::size_t left_behind = 0;         // processes of its group that still ran; they are killed
 };
 
 enum class Streams { Merged, OutputOnly }; // stdout and stderr in one pipe, or stdout alone (stderr is dropped)

@@ -12,10 +12,11 @@
 
 namespace quoin {
 
-// What one task may use; `memory` is 0 when it is not limited.
+// What one task may use.
 struct Share {
     int threads = 1;
-    std::uint64_t memory = 0; // bytes
+    std::uint64_t memory = 0; // bytes, as far as they are known
+    bool is_limited = false;  // the stage is told
 };
 
 class RunningTask {
@@ -30,13 +31,18 @@ public:
     // Hands what the stage printed since the last call to the observer.
     void read_output(RunObserver& observer);
 
-    // The result, once the process has ended.
+    // Asks it to end once it has run for `timeout` seconds (0 = as long as it likes), and ends it `grace` later.
+    void end_if_late(double timeout, double grace);
+    bool is_late() const { return is_late_; }
+
+    // The result, once the process has ended. A stage that ends with 0 has written every output in its schema; one that
+    // has not has failed.
     std::optional<TaskResult> poll_end(RunObserver& observer);
 
     void signal(int signal) const { child_.signal_group(signal); }
 
 private:
-    void take(const std::string& line, RunObserver& observer) const;
+    void take(const std::string& line, RunObserver& observer);
 
     std::size_t index_;
     const Task& task_;
@@ -44,7 +50,9 @@ private:
     ChildProcess child_;
     Timer timer_;
     LineReader lines_;
+    std::size_t said_ = 0; // lines that were no progress
     bool is_silent_ = false;
+    bool is_late_ = false;
 };
 
 } // namespace quoin

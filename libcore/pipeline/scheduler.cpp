@@ -2,14 +2,18 @@
 
 #include "base/error.h"
 #include "base/timer.h"
+#include "pipeline/ready_queue.h"
+#include "pipeline/retry.h"
 #include "pipeline/running_task.h"
 #include "pipeline/signal_queue.h"
 #include "pipeline/stored_results.h"
 
 #include <algorithm>
 #include <csignal>
+#include <map>
 #include <memory>
 #include <poll.h>
+#include <unistd.h>
 
 namespace quoin {
 namespace {
@@ -17,13 +21,19 @@ namespace {
 constexpr int kTickMilliseconds = 100;
 constexpr double kGraceSeconds = 10.0; // that a stage has for cleaning up after SIGTERM
 
+std::uint64_t physical_memory() // [bytes]
+{
+    return static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
 class Scheduler {
 public:
     Scheduler(const std::vector<Task>& tasks, const Budget& budget, RunObserver& observer)
-        : tasks_(tasks), budget_(budget), observer_(observer),
-          stored_(tasks, budget.store), free_{std::max(1, budget.threads), budget.memory},
+        : tasks_(tasks), budget_(budget), observer_(observer), stored_(tasks, budget.store), queue_(tasks),
+          capacity_(budget.memory > 0 ? budget.memory : physical_memory()), free_{std::max(1, budget.threads),
+                                                                                  capacity_},
           max_running_(static_cast<std::size_t>(std::clamp(budget.jobs, 1, std::max(1, budget.threads)))),
-          is_started_(tasks.size(), false), is_second_try_(tasks.size(), false), is_looked_up_(tasks.size(), false)
+          is_second_try_(tasks.size(), false), is_looked_up_(tasks.size(), false)
     {
         outcome_.results.resize(tasks.size());
     }
@@ -32,14 +42,17 @@ public:
     {
         SignalQueue signals; // before the first child, so that no end of a child is missed
         start_ready_tasks();
-        while (!running_.empty()) {
+        while (!running_.empty() || (!delayed_.empty() && may_start())) {
             wait_for_events(signals);
             while (const auto signal = signals.next_ending_signal())
                 end_early(*signal);
             if (is_ending() && since_signal_.seconds() > kGraceSeconds) signal_all(SIGKILL);
-            for (const auto& running : running_)
+            for (const auto& running : running_) {
                 running->read_output(observer_);
+                running->end_if_late(budget_.timeout, kGraceSeconds);
+            }
             take_ended_tasks();
+            put_back_delayed_tasks();
             start_ready_tasks();
             observer_.tick();
         }
@@ -47,67 +60,67 @@ public:
     }
 
 private:
+    struct Delayed {
+        Timer since;
+        double seconds = 0.0;
+    };
+
     bool is_ending() const { return ending_signal_ != 0; }
     bool may_start() const { return !is_ending() && (outcome_.exit_code == 0 || budget_.keep_going); }
 
-    bool is_done(std::size_t task) const
+    // Takes from the store what it has of the ready tasks, and of those that are ready then.
+    void take_stored()
     {
-        const TaskState state = outcome_.results[task].state;
-        return state == TaskState::Computed || state == TaskState::Cached;
-    }
-
-    bool is_ready(std::size_t task) const
-    {
-        return !is_started_[task] &&
-               std::ranges::all_of(tasks_[task].after, [&](std::size_t before) { return is_done(before); });
-    }
-
-    std::vector<std::size_t> ready_tasks() const
-    {
-        std::vector<std::size_t> ready;
-        for (std::size_t i = 0; i < tasks_.size(); ++i)
-            if (is_ready(i)) ready.push_back(i);
-        return ready;
-    }
-
-    // Takes from the store what it has of the ready tasks. True when there was any: more may be ready then.
-    bool take_stored(const std::vector<std::size_t>& ready)
-    {
-        bool took_any = false;
-        for (const std::size_t task : ready) {
-            if (is_looked_up_[task] || !may_start()) continue;
-            is_looked_up_[task] = true;
-            auto result = stored_.take(task);
-            if (!result) continue;
-            is_started_[task] = took_any = true;
-            finish(task, std::move(*result));
+        for (auto next = queue_.ready().begin(); next != queue_.ready().end() && may_start();) {
+            const std::size_t task = *next;
+            if (!is_looked_up_[task]) {
+                is_looked_up_[task] = true;
+                if (auto result = stored_.take(task)) {
+                    queue_.take(task);
+                    finish(task, std::move(*result));
+                }
+            }
+            next = queue_.ready().upper_bound(task);
         }
-        return took_any;
     }
 
     void start_ready_tasks()
     {
-        auto ready = ready_tasks();
-        while (take_stored(ready))
-            ready = ready_tasks();
-        for (std::size_t i = 0; i < ready.size() && running_.size() < max_running_ && may_start(); ++i)
-            start(ready[i], fair_share(std::min(ready.size() - i, max_running_ - running_.size())));
+        take_stored();
+        while (running_.size() < max_running_ && may_start() && !queue_.ready().empty()) {
+            const std::size_t task = *queue_.ready().begin();
+            const std::uint64_t need = memory_need(task);
+            // Who needs more than is free waits for others to end; nobody overtakes it, or it might wait for ever.
+            if (need > free_.memory && !running_.empty()) return;
+            start(task, share_for(task, need));
+        }
     }
 
-    // What is free, divided among the tasks that are about to start.
-    Share fair_share(std::size_t starting) const
+    std::uint64_t memory_need(std::size_t task) const
     {
-        return {std::max(1, free_.threads / static_cast<int>(starting)), free_.memory / starting};
+        if (const auto raised = raised_memory_.find(task); raised != raised_memory_.end()) return raised->second;
+        return std::min(capacity_, budget_.memory_need ? budget_.memory_need(tasks_[task]) : 0);
+    }
+
+    // What is free, divided among the tasks that are about to start; no less memory than it needs.
+    Share share_for(std::size_t task, std::uint64_t need) const
+    {
+        const std::size_t starting = std::min(queue_.ready().size(), max_running_ - running_.size());
+        const int cores = tasks_[task].description ? tasks_[task].description->cores : 0;
+        Share share{std::max(1, free_.threads / static_cast<int>(starting)), need, budget_.memory > 0};
+        if (cores > 0) share.threads = std::min(share.threads, cores);
+        if (share.is_limited) share.memory = std::max(need, free_.memory / starting);
+        return share;
     }
 
     void start(std::size_t task, const Share& share)
     {
-        is_started_[task] = true;
+        queue_.take(task);
         observer_.started(task);
         try {
             running_.push_back(std::make_unique<RunningTask>(task, tasks_[task], share, budget_));
             free_.threads -= share.threads;
-            free_.memory -= share.memory;
+            free_.memory -= std::min(free_.memory, share.memory);
         } catch (const Error& error) {
             observer_.said(task, error.what());
             TaskResult result;
@@ -142,14 +155,16 @@ private:
 
     void take_ended_tasks()
     {
+        const std::size_t beside = running_.size() - 1;
         for (auto& running : running_) {
             auto result = running->poll_end(observer_);
             if (!result) continue;
             free_.threads += running->share().threads;
-            free_.memory += running->share().memory;
+            free_.memory = std::min(capacity_, free_.memory + running->share().memory);
             if (is_ending() && result->state == TaskState::Failed) result->state = TaskState::Stopped;
-            if (result->state != TaskState::Failed || !run_damaged_again(running->index()))
-                finish(running->index(), std::move(*result));
+            const bool runs_again = result->state == TaskState::Failed &&
+                                    (run_damaged_again(running->index()) || try_again(*running, *result, beside == 0));
+            if (!runs_again) finish(running->index(), std::move(*result));
             running.reset();
         }
         std::erase(running_, nullptr);
@@ -160,34 +175,62 @@ private:
     bool run_damaged_again(std::size_t task)
     {
         if (is_second_try_[task]) return false;
+        is_second_try_[task] = true;
         const auto damaged = stored_.damaged_inputs(task);
         for (const std::size_t maker : damaged) {
             observer_.said(maker, "its result in the store was damaged; computing it again");
             outcome_.results[maker] = {};
-            is_started_[maker] = false;
+            queue_.undo(maker);
         }
-        is_second_try_[task] = true;
-        if (!damaged.empty()) is_started_[task] = false;
+        if (!damaged.empty()) queue_.put_back(task);
         return !damaged.empty();
+    }
+
+    bool try_again(const RunningTask& running, const TaskResult& result, bool was_alone)
+    {
+        const std::size_t task = running.index();
+        const Attempt attempt{++tries_[task], result.end.exit_code, running.share().memory, running.share().is_limited,
+                              was_alone,      running.is_late()};
+        const auto retry = retry_of(attempt, capacity_, budget_.retry_seconds);
+        if (!retry) return false;
+        observer_.said(task, retry->reason);
+        raised_memory_[task] = retry->memory;
+        delayed_[task] = {Timer(), retry->delay};
+        return true;
+    }
+
+    void put_back_delayed_tasks()
+    {
+        std::erase_if(delayed_, [&](const auto& item) {
+            const bool is_due = item.second.since.seconds() >= item.second.seconds;
+            if (is_due) queue_.put_back(item.first);
+            return is_due;
+        });
     }
 
     void finish(std::size_t task, TaskResult result)
     {
         if (result.state == TaskState::Failed && outcome_.exit_code == 0) outcome_.exit_code = result.end.exit_code;
         outcome_.results[task] = std::move(result);
-        stored_.add(task, outcome_.results[task]);
-        observer_.ended(task, outcome_.results[task]);
+        const TaskResult& finished = outcome_.results[task];
+        stored_.add(task, finished);
+        if (finished.state == TaskState::Computed || finished.state == TaskState::Cached) queue_.done(task);
+        observer_.ended(task, finished);
     }
 
     const std::vector<Task>& tasks_;
     const Budget& budget_;
     RunObserver& observer_;
     StoredResults stored_;
+    ReadyQueue queue_;
+    std::uint64_t capacity_; // [bytes]
     Share free_;
     std::size_t max_running_;
-    std::vector<bool> is_started_;
-    std::vector<bool> is_second_try_;
-    std::vector<bool> is_looked_up_; // in the store, once it was ready
+    std::vector<bool> is_second_try_; // after a damaged input
+    std::vector<bool> is_looked_up_;  // in the store, once it was ready
+    std::map<std::size_t, int> tries_;
+    std::map<std::size_t, std::uint64_t> raised_memory_; // [bytes] of tasks that ran out of it
+    std::map<std::size_t, Delayed> delayed_;             // tasks that are tried again after a while
     std::vector<std::unique_ptr<RunningTask>> running_;
     RunOutcome outcome_;
     int ending_signal_ = 0;

@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -38,6 +39,10 @@ struct Budget {
     bool keep_going = false;  // after a failure, go on with what does not depend on it
     std::filesystem::path store;
     std::string log_level = "warning"; // of the stages
+    double timeout = 0.0;              // [s] that a stage may take; 0 = as long as it likes
+    double retry_seconds = 1.0;        // [s] before a stage that asks for it is tried again
+    // [bytes] that a task will need, as far as one knows; 0 = not known. Tasks that do not fit beside each other wait.
+    std::function<std::uint64_t(const Task&)> memory_need = {};
 };
 
 struct TaskProgress {

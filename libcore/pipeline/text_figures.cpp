@@ -56,4 +56,17 @@ std::uint64_t parse_bytes(const std::string& text, const std::string& flag)
     return static_cast<std::uint64_t>(std::ldexp(value, static_cast<int>(10 * power)));
 }
 
+double parse_duration(const std::string& text, const std::string& flag)
+{
+    double value = 0.0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    const std::string_view unit(end, text.data() + text.size());
+    constexpr double kMinute = 60.0;
+    constexpr double kHour = 3600.0;
+    const double factor = unit.empty() || unit == "s" ? 1.0 : unit == "m" ? kMinute : unit == "h" ? kHour : 0.0;
+    if (error != std::errc() || !std::isfinite(value) || value <= 0.0 || factor == 0.0)
+        throw UsageError(fmt::format("{} is '{}': expected a time like 90s, 30m or 2h", flag, text));
+    return value * factor;
+}
+
 } // namespace quoin

@@ -14,4 +14,7 @@ std::string count_text(std::uint64_t count, const std::string& thing); // "1 sta
 // "4G", "512M", "1.5G", "800000" to bytes (powers of 1024); throws UsageError naming the flag.
 std::uint64_t parse_bytes(const std::string& text, const std::string& flag);
 
+// "90s", "30m", "2h", "1.5" (seconds) to seconds; throws UsageError naming the flag.
+double parse_duration(const std::string& text, const std::string& flag);
+
 } // namespace quoin

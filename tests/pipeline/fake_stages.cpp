@@ -1,5 +1,7 @@
 #include "pipeline/fake_stages.h"
 
+#include "artifact/artifact.h"
+
 #include <fstream>
 #include <sstream>
 
@@ -7,20 +9,41 @@ namespace quoin::test {
 namespace fs = std::filesystem;
 namespace {
 
-std::string port_json(std::string port)
+struct FakePort {
+    std::string name, schema, version = "1";
+    bool is_optional = false;
+};
+
+FakePort parse_port(std::string text)
 {
-    const bool optional = port.starts_with('?');
-    if (optional) port.erase(0, 1);
-    std::string schema = port;
-    std::string version = "1";
-    if (const auto colon = port.find(':'); colon != std::string::npos) {
-        const auto slash = port.find('/');
-        schema = port.substr(colon + 1, slash - colon - 1);
-        version = port.substr(slash + 1);
-        port.resize(colon);
-    }
-    return R"({"port":")" + port + R"(","schema":")" + schema + R"(","version":)" + version + R"(,"optional":)" +
-           (optional ? "true" : "false") + R"(,"doc":""})";
+    FakePort port;
+    port.is_optional = text.starts_with('?');
+    if (port.is_optional) text.erase(0, 1);
+    const auto colon = text.find(':');
+    port.name = port.schema = text.substr(0, colon);
+    if (colon == std::string::npos) return port;
+    const auto slash = text.find('/');
+    port.schema = text.substr(colon + 1, slash - colon - 1);
+    port.version = text.substr(slash + 1);
+    return port;
+}
+
+std::string port_json(const std::string& text)
+{
+    const FakePort port = parse_port(text);
+    return R"({"port":")" + port.name + R"(","schema":")" + port.schema + R"(","version":)" + port.version +
+           R"(,"optional":)" + (port.is_optional ? "true" : "false") + R"(,"doc":""})";
+}
+
+// What the stage puts into its output's place.
+void write_sample(const fs::path& folder, const std::string& stage, const FakePort& port)
+{
+    if (port.schema == "folder" || port.schema == "model") return;
+    Artifact artifact;
+    artifact.schema = port.schema;
+    artifact.schema_version = std::stoi(port.version);
+    artifact.add_text("made_by", stage);
+    write_artifact(folder / (stage + "." + port.name + ".artifact"), artifact);
 }
 
 std::string ports_json(const std::vector<std::string>& ports)
@@ -52,13 +75,15 @@ std::string script(const FakeStage& stage)
            "echo \"$@\" > $here/" +
            name +
            ".arguments\n"
-           "outputs=(); record=; while [ $# -gt 0 ]; do case $1 in --out) outputs+=(\"${2#*=}\");; --record) "
+           "outputs=(); record=; while [ $# -gt 0 ]; do case $1 in --out) outputs+=(\"$2\");; --record) "
            "record=$2;; esac; shift 2; done\n" +
            stage.body +
            "\n"
-           "for output in \"${outputs[@]}\"; do echo " +
+           "for output in \"${outputs[@]}\"; do sample=$here/" +
            name +
-           " > \"$output.tmp\"; mv \"$output.tmp\" \"$output\"; done\n"
+           ".${output%%=*}.artifact; place=${output#*=}\n"
+           "if [ -e \"$sample\" ]; then cp \"$sample\" \"$place.tmp\"; mv -f \"$place.tmp\" \"$place\"; else mkdir -p "
+           "\"$place\"; fi; done\n"
            R"(echo '{"stage":")" +
            name +
            R"(","cached":false,"seconds":1.5,"peak_memory_bytes":1000000}' > "$record")"
@@ -83,6 +108,8 @@ FakeStages::FakeStages(const std::vector<FakeStage>& stages)
         const fs::path path = folder() / stage.name;
         std::ofstream(path) << script(stage);
         fs::permissions(path, fs::perms::owner_all);
+        for (const auto& output : stage.outputs)
+            write_sample(folder(), stage.name, parse_port(output));
     }
 }
 

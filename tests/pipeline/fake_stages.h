@@ -16,7 +16,7 @@ struct FakeStage {
     std::string body = {}; // shell commands run before the outputs are written
 };
 
-// Every fake stage has the parameters size (float, 0 to 1 m), count (int), mode (fast or exact) and flag (bool). It
+// The samples of its outputs are $here/STAGE.PORT.artifact. Every fake stage has the parameters size (float, 0 to 1 m), count (int), mode (fast or exact) and flag (bool). It
 // appends "start NAME" and "end NAME" to log() and writes the arguments that it got to arguments(NAME).
 class FakeStages {
 public:

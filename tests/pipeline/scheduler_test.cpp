@@ -146,6 +146,95 @@ TEST_F(SchedulerTest, EndsWhatAStageLeavesBehind)
     EXPECT_FALSE(fs::exists("/proc/" + std::to_string(pid) + "/exe")); // a zombie of init has no exe
 }
 
+TEST_F(SchedulerTest, SaysThatAStageLeftProcessesBehind)
+{
+    run("sleep 300 & sleep 300 &", "", "", {});
+    EXPECT_THAT(recorder_.lines, ElementsAre("left 2 of its processes running; they were ended"));
+}
+
+TEST_F(SchedulerTest, RefusesAStageThatEndsWithoutItsOutput)
+{
+    const RunOutcome outcome = run("", "exit 0", "", {});
+    EXPECT_EQ(outcome.exit_code, 5);
+    EXPECT_EQ(state(outcome, 1), TaskState::Failed);
+    EXPECT_THAT(recorder_.lines, ElementsAre(HasSubstr("ended with exit code 0, but did not write its output 'b' (")));
+}
+
+TEST_F(SchedulerTest, RefusesAnOutputOfAnotherSchema)
+{
+    const RunOutcome outcome = run("", R"(cp $here/source.a.artifact "${outputs[0]#*=}"; exit 0)", "", {});
+    EXPECT_EQ(outcome.exit_code, 5);
+    EXPECT_THAT(recorder_.lines, ElementsAre(HasSubstr("wrote a 'a' as its output 'b', which is a 'b' (")));
+}
+
+TEST_F(SchedulerTest, RefusesAnOutputThatIsNoArtifact)
+{
+    run("", R"(echo hello > "${outputs[0]#*=}"; exit 0)", "", {});
+    EXPECT_THAT(recorder_.lines, ElementsAre(HasSubstr("wrote an output 'b' that is no artifact: ")));
+}
+
+TEST_F(SchedulerTest, EndsAStageThatHangs)
+{
+    Budget budget;
+    budget.timeout = 0.3;
+    const RunOutcome outcome = run("", "exec sleep 300", "", budget);
+    EXPECT_EQ(outcome.exit_code, 4);
+    EXPECT_EQ(state(outcome, 1), TaskState::Failed);
+    EXPECT_THAT(recorder_.lines, ElementsAre(HasSubstr("was ended after 0.")));
+}
+
+TEST_F(SchedulerTest, ShowsOnlySoMuchOfWhatAStagePrints)
+{
+    const RunOutcome outcome = run("head -c 3000000 /dev/zero | tr '\\0' x; echo; seq 100000", "", "", {});
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_LE(recorder_.lines.size(), 501U);
+    EXPECT_THAT(recorder_.lines.back(), HasSubstr("has said 500 lines; the rest is not shown"));
+    for (const auto& line : recorder_.lines)
+        EXPECT_LE(line.size(), 1100U);
+}
+
+TEST_F(SchedulerTest, TriesAStageAgainWithMoreMemory)
+{
+    Budget budget;
+    budget.memory = 1'000'000'000;
+    budget.memory_need = [](const Task& task) { return task.stage == "left" ? 100'000'000U : 0U; };
+    budget.jobs = budget.threads = 2;
+    const RunOutcome outcome = run("",
+                                   "until grep -q 'start right' $here/log; do sleep 0.01; done; [ -e $here/once ] || { "
+                                   "touch $here/once; exit 4; }",
+                                   "", budget);
+    EXPECT_EQ(outcome.exit_code, 0);
+    EXPECT_THAT(recorder_.lines, ElementsAre(HasSubstr("trying again with 1.0 GB instead of 500 MB (try 2 of 3)")));
+    EXPECT_THAT(stages_->arguments("left"), HasSubstr("--memory 1000000000"));
+}
+
+TEST_F(SchedulerTest, TriesAStageAgainThatAsksForIt)
+{
+    Budget budget;
+    budget.retry_seconds = 0.01;
+    EXPECT_EQ(run("", "[ -e $here/once ] || { touch $here/once; exit 75; }", "", budget).exit_code, 0);
+    EXPECT_THAT(recorder_.lines, ElementsAre(HasSubstr("(try 2 of 3)")));
+}
+
+TEST_F(SchedulerTest, GivesUpAfterThreeTries)
+{
+    Budget budget;
+    budget.retry_seconds = 0.01;
+    EXPECT_EQ(run("", "exit 75", "", budget).exit_code, 75);
+    EXPECT_THAT(stages_->log(), testing::Not(Contains("start sink")));
+    EXPECT_EQ(std::ranges::count(stages_->log(), "start left"), 3);
+}
+
+TEST_F(SchedulerTest, RunsSideBySideOnlyWhatFitsIntoMemory)
+{
+    Budget budget;
+    budget.memory = 1000;
+    budget.jobs = budget.threads = 2;
+    budget.memory_need = [](const Task&) { return 600U; };
+    EXPECT_EQ(run("", "", "", budget).exit_code, 0);
+    EXPECT_EQ(recorder_.most_running, 1U);
+}
+
 TEST_F(SchedulerTest, MeasuresTheStage)
 {
     const RunOutcome outcome = run("", "", "", {});
