@@ -24,6 +24,7 @@ struct Verb {
 constexpr std::array kVerbs{
     Verb{"run", "run a pipeline on scans", run_verb},
     Verb{"plan", "show what a run would compute", plan_verb},
+    Verb{"why", "say why a stage would run again, or why not", why_verb},
     Verb{"status", "show what a folder of results holds", status_verb},
     Verb{"ablate", "run variants of a pipeline and compare them", ablate_verb},
     Verb{"graph", "draw a pipeline as text, dot or mermaid", graph_verb},

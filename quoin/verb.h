@@ -10,6 +10,7 @@ using Arguments = std::vector<std::string>; // what follows the verb
 
 int run_verb(const Arguments& arguments);
 int plan_verb(const Arguments& arguments);
+int why_verb(const Arguments& arguments);
 int status_verb(const Arguments& arguments);
 int ablate_verb(const Arguments& arguments);
 int graph_verb(const Arguments& arguments);

@@ -219,6 +219,42 @@ TEST_F(EndToEnd, RunsOnlyWhatAChangedParameterTouches)
     EXPECT_THAT(changed.output, HasSubstr("2 stages computed"));
 }
 
+TEST_F(EndToEnd, SaysWhyAStageWouldRunDownToTheParameter)
+{
+    const std::string quoin = kBin + "/quoin ";
+    const std::string place = " --scan room --out one -S optimize-geometry.lambda_l=7";
+    const CommandResult why = in_folder(quoin + "why --stage export" + place);
+    EXPECT_THAT(why.output, HasSubstr("room/export may run\n  <- textured_mesh is made by <- bake-texture may run <- "
+                                      "plane_mesh is made by <- optimize-geometry must run <- param lambda_l 10 -> 7 "
+                                      "(-S)\n"));
+    const CommandResult plan = in_folder(quoin + "plan" + place);
+    EXPECT_THAT(plan.output, HasSubstr("1 to compute, 3 that follow from those\nabout "));
+    EXPECT_THAT(in_folder(quoin + "graph" + place).output, HasSubstr("optimize-geometry  to compute"));
+    EXPECT_THAT(in_folder(quoin + "why --stage fuze" + place).output, HasSubstr("did you mean 'fuse'?"));
+}
+
+TEST_F(EndToEnd, SaysWhereAChangeWasCutOff)
+{
+    // The tolerance of a solver that is not used changes the key and nothing else.
+    const std::string setting = " -S optimize-geometry.solver_tolerance=1e-9";
+    const CommandResult run_again = run("cut", 2, "--store one/.store");
+    ASSERT_EQ(run_again.exit_code, 0) << run_again.output;
+    EXPECT_THAT(run("cut", 2, "--store one/.store" + setting).output, HasSubstr("1 stage computed"));
+    const CommandResult why =
+        in_folder(kBin + "/quoin why --stage bake-texture --scan room --out cut --store one/.store" + setting);
+    EXPECT_THAT(why.output,
+                AllOf(HasSubstr("room/bake-texture is up to date"),
+                      HasSubstr("optimize-geometry ran with param solver_tolerance 1e-10 -> 1e-09 (-S), but "
+                                "its plane_mesh came out the same: cut off there")));
+}
+
+TEST_F(EndToEnd, FindsTheAblationValidAndSharesItsFirstStages)
+{
+    const CommandResult plan = in_folder(kBin + "/quoin ablate --scan room --out variants --dry-run");
+    EXPECT_EQ(plan.exit_code, 0) << plan.output;
+    EXPECT_THAT(plan.output, HasSubstr("optimize-texture"));
+}
+
 TEST_F(EndToEnd, SaysWhatIsWrongWithAScanOnce)
 {
     fs::create_directories(path("empty"));

@@ -1,0 +1,49 @@
+#include "base/error.h"
+#include "pipeline/explain.h"
+#include "quoin/command_line.h"
+#include "quoin/options.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace quoin {
+namespace {
+
+void require_stages(const Graph& graph, const std::vector<std::string>& stages)
+{
+    std::vector<std::string> names;
+    for (const auto& node : graph.nodes)
+        names.push_back(node.name);
+    for (const auto& stage : stages)
+        if (!graph.find(stage))
+            throw UsageError(fmt::format("--stage: the pipeline has no stage '{}'{}", stage, hint(stage, names)));
+}
+
+} // namespace
+
+int why_verb(const Arguments& arguments)
+{
+    CLI::App app("says why stages would run again, down to the parameter or file that changed, or why they would not",
+                 "quoin why");
+    PipelineOptions pipeline;
+    PlaceOptions place;
+    SelectionOptions selection;
+    std::vector<std::string> stages;
+    pipeline.add_to(app);
+    pipeline.add_variant_to(app);
+    place.add_to(app);
+    selection.add_to(app);
+    add_repeated(app, "--stage", stages, "a stage to explain; default: all");
+    if (!parse_arguments(app, arguments)) return 0;
+    const Graph graph = pipeline.load();
+    require_stages(graph, stages);
+    const Layout layout = place.layout();
+    const auto tasks = plan_tasks(graph, place.named_scans(graph), layout, selection.selection);
+    const Explainer explainer(graph, tasks, layout.store);
+    for (std::size_t i = 0; i < tasks.size(); ++i)
+        if (stages.empty() || std::ranges::find(stages, tasks[i].stage) != stages.end())
+            fmt::print("{}", explanation_text(tasks[i], explainer.explain(i)));
+    return 0;
+}
+
+} // namespace quoin
