@@ -33,8 +33,8 @@ struct PipelineStage {
     Position use_position;
     std::filesystem::path use_folder;
     std::vector<std::filesystem::path> code; // files that enter the key of a foreign program
-    std::map<std::string, Wire> inputs;    // by port
-    std::map<std::string, Setting> params; // by name
+    std::map<std::string, Wire> inputs;      // by port
+    std::map<std::string, Setting> params;   // by name
 };
 
 // What a file says of variants and their comparison; study.h reads it.

@@ -54,7 +54,8 @@ NodeKeys key_parts(const Graph& graph)
     NodeKeys keys;
     for (const auto& node : graph.nodes) {
         const StageDescription& stage = node.program.description;
-        if (stage.implementation.empty() || !node.program.leading.empty()) { // run-command keys foreign programs by their code
+        if (stage.implementation.empty() ||
+            !node.program.leading.empty()) { // run-command keys foreign programs by their code
             keys.push_back(nullptr);
             continue;
         }

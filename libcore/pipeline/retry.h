@@ -24,8 +24,8 @@ struct Retry {
     std::string reason;       // a line for the person
 };
 
-// None when it has failed for good. Out of memory: with twice as much, as far as `capacity` goes, or alone. Try again: as
-// it was, after a while. What fails alone and without a limit would fail again.
+// None when it has failed for good. Out of memory: with twice as much, as far as `capacity` goes, or alone. Try again:
+// as it was, after a while. What fails alone and without a limit would fail again.
 std::optional<Retry> retry_of(const Attempt& attempt, std::uint64_t capacity, double retry_seconds);
 
 } // namespace quoin

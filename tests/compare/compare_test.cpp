@@ -64,7 +64,9 @@ TEST(MatchPlanes, FindsAngleAndOffsetOfAMovedBox)
         EXPECT_EQ(pair.first, pair.second);
         const bool is_level = std::abs(first.plane[pair.first].normal.z()) > 0.5;
         EXPECT_NEAR(pair.angle, is_level ? 0.0 : 0.5 * kDegree, 1e-9);
-        if (is_level) EXPECT_NEAR(pair.offset, 0.01, 1e-9);
+        if (is_level) {
+            EXPECT_NEAR(pair.offset, 0.01, 1e-9);
+        }
     }
     EXPECT_TRUE(matches.only_first.empty() && matches.only_second.empty());
 }

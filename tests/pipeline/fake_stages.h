@@ -16,8 +16,9 @@ struct FakeStage {
     std::string body = {}; // shell commands run before the outputs are written
 };
 
-// The samples of its outputs are $here/STAGE.PORT.artifact. Every fake stage has the parameters size (float, 0 to 1 m), count (int), mode (fast or exact) and flag (bool). It
-// appends "start NAME" and "end NAME" to log() and writes the arguments that it got to arguments(NAME).
+// The samples of its outputs are $here/STAGE.PORT.artifact. Every fake stage has the parameters size (float, 0 to 1 m),
+// count (int), mode (fast or exact) and flag (bool). It appends "start NAME" and "end NAME" to log() and writes the
+// arguments that it got to arguments(NAME).
 class FakeStages {
 public:
     explicit FakeStages(const std::vector<FakeStage>& stages);
