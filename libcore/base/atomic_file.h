@@ -1,4 +1,5 @@
-// Files and folders that appear whole or not at all: written under a temporary name beside their place, synced, renamed.
+// Files and folders that appear whole or not at all: written under a temporary name beside their place, synced,
+// renamed.
 #pragma once
 
 #include <cstddef>
@@ -9,9 +10,10 @@
 
 namespace quoin {
 
-// Writes by `write(temporary path)`, then publishes under `path`. Throws ResourceError (disk full) or InputError (folder
-// missing or read-only), naming the path; the temporary file is gone in every case, a signal included.
-void write_atomically(const std::filesystem::path& path, const std::function<void(const std::filesystem::path&)>& write);
+// Writes by `write(temporary path)`, then publishes under `path`. Throws ResourceError (disk full) or InputError
+// (folder missing or read-only), naming the path; the temporary file is gone in every case, a signal included.
+void write_atomically(const std::filesystem::path& path,
+                      const std::function<void(const std::filesystem::path&)>& write);
 void write_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes);
 void write_atomically(const std::filesystem::path& path, std::string_view text);
 

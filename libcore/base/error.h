@@ -1,5 +1,6 @@
 // The two kinds of failure: an Error the user can act on (its message says what, where, what was expected and what to
-// do), and a bug of ours (assert). The stage runner turns an Error into its exit code and one message; nothing else catches.
+// do), and a bug of ours (assert). The stage runner turns an Error into its exit code and one message; nothing else
+// catches.
 #pragma once
 
 #include <stdexcept>
@@ -8,7 +9,15 @@
 namespace quoin {
 
 // Exit codes of the stage contract.
-enum class ExitCode : int { Done = 0, Usage = 2, Input = 3, Resources = 4, Impossible = 5, TryAgain = 75, Signal = 128 };
+enum class ExitCode : int {
+    Done = 0,
+    Usage = 2,
+    Input = 3,
+    Resources = 4,
+    Impossible = 5,
+    TryAgain = 75,
+    Signal = 128
+};
 
 class Error : public std::runtime_error {
 public:

@@ -41,13 +41,15 @@ void parallel_chunks(std::size_t count, std::size_t grain, const std::function<v
     const std::size_t chunks = (count + grain - 1) / grain;
     const auto run = [&](std::size_t chunk) { body(chunk * grain, std::min(count, (chunk + 1) * grain)); };
     if (chunks == 1 || thread_count() == 1) {
-        for (std::size_t chunk = 0; chunk < chunks; ++chunk) run(chunk);
+        for (std::size_t chunk = 0; chunk < chunks; ++chunk)
+            run(chunk);
         return;
     }
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, chunks, 1),
         [&](const tbb::blocked_range<std::size_t>& range) {
-            for (std::size_t chunk = range.begin(); chunk != range.end(); ++chunk) run(chunk);
+            for (std::size_t chunk = range.begin(); chunk != range.end(); ++chunk)
+                run(chunk);
         },
         tbb::simple_partitioner());
 }

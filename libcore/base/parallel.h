@@ -1,5 +1,5 @@
-// The one way to run in parallel. The same bytes come out for any number of threads: work is cut into chunks that do not
-// depend on the thread count, every item writes its own slot, and reductions run over chunks in order.
+// The one way to run in parallel. The same bytes come out for any number of threads: work is cut into chunks that do
+// not depend on the thread count, every item writes its own slot, and reductions run over chunks in order.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,8 @@ namespace quoin {
 void set_thread_count(int threads);
 int thread_count();
 
-// Calls body(begin, end) for consecutive chunks of `grain` items that cover [0, count). An exception of a chunk is rethrown.
+// Calls body(begin, end) for consecutive chunks of `grain` items that cover [0, count). An exception of a chunk is
+// rethrown.
 void parallel_chunks(std::size_t count, std::size_t grain, const std::function<void(std::size_t, std::size_t)>& body);
 
 // Calls body(i) for every i in [0, count).
@@ -21,7 +22,8 @@ template <class Body>
 void parallel_for(std::size_t count, const Body& body, std::size_t grain = 1)
 {
     parallel_chunks(count, grain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) body(i);
+        for (std::size_t i = begin; i < end; ++i)
+            body(i);
     });
 }
 
@@ -31,9 +33,11 @@ Value parallel_reduce(std::size_t count, std::size_t grain, Value identity, cons
 {
     if (count == 0) return identity;
     std::vector<Value> partial((count + grain - 1) / grain, identity);
-    parallel_chunks(count, grain, [&](std::size_t begin, std::size_t end) { partial[begin / grain] = map(begin, end); });
+    parallel_chunks(count, grain,
+                    [&](std::size_t begin, std::size_t end) { partial[begin / grain] = map(begin, end); });
     Value total = std::move(identity);
-    for (auto& value : partial) total = combine(std::move(total), std::move(value));
+    for (auto& value : partial)
+        total = combine(std::move(total), std::move(value));
     return total;
 }
 

@@ -18,7 +18,8 @@ bool parse_number(std::string_view text, Number& value)
     return error == std::errc() && end == text.data() + text.size();
 }
 
-[[noreturn]] void refuse(const ParamSpec& spec, std::string_view text, std::string_view where, const std::string& expected)
+[[noreturn]] void refuse(const ParamSpec& spec, std::string_view text, std::string_view where,
+                         const std::string& expected)
 {
     throw UsageError(fmt::format("{}: parameter '{}' is '{}': expected {}", where, spec.name, text, expected));
 }
@@ -90,7 +91,8 @@ ParamValue parse_param(const ParamSpec& spec, std::string_view text, std::string
                fmt::format("one of {}{}", fmt::join(spec.choices, ", "),
                            near.empty() ? "" : "; did you mean '" + near + "'?"));
     }
-    case ParamType::String: return std::string(text);
+    case ParamType::String:
+        return std::string(text);
     }
     return {};
 }

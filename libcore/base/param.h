@@ -75,8 +75,8 @@ using ParamValues = std::map<std::string, ParamValue>;
 
 std::string_view type_name(ParamType type); // bool, int, float, string, choice
 
-// Text to a value of the spec's type. Throws UsageError saying what was expected when it does not parse, is not a number
-// or is outside the interval; `where` begins the message (a file:line:column, or "--set").
+// Text to a value of the spec's type. Throws UsageError saying what was expected when it does not parse, is not a
+// number or is outside the interval; `where` begins the message (a file:line:column, or "--set").
 ParamValue parse_param(const ParamSpec& spec, std::string_view text, std::string_view where);
 
 // Shortest text that parses back to the same value; floats as std::to_chars prints them.
@@ -125,11 +125,16 @@ void from_value(const ParamValue& value, T& out)
 template <class T>
 constexpr ParamType type_of()
 {
-    if constexpr (std::is_enum_v<T>) return ParamType::Choice;
-    else if constexpr (std::is_same_v<T, bool>) return ParamType::Bool;
-    else if constexpr (std::is_integral_v<T>) return ParamType::Int;
-    else if constexpr (std::is_floating_point_v<T>) return ParamType::Float;
-    else return ParamType::String;
+    if constexpr (std::is_enum_v<T>)
+        return ParamType::Choice;
+    else if constexpr (std::is_same_v<T, bool>)
+        return ParamType::Bool;
+    else if constexpr (std::is_integral_v<T>)
+        return ParamType::Int;
+    else if constexpr (std::is_floating_point_v<T>)
+        return ParamType::Float;
+    else
+        return ParamType::String;
 }
 } // namespace detail
 
@@ -139,16 +144,20 @@ std::vector<ParamSpec> specs_of()
     std::vector<ParamSpec> specs;
     const Params defaults;
     const auto add = [&]<class T>(const Param<Params, T>& p) {
-        ParamSpec spec{p.name, detail::type_of<T>(), detail::to_value(defaults.*p.member), p.unit, p.doc, p.min, p.max, {}, p.flags};
+        ParamSpec spec{
+            p.name, detail::type_of<T>(), detail::to_value(defaults.*p.member), p.unit, p.doc, p.min, p.max, {},
+            p.flags};
         if constexpr (std::is_enum_v<T>)
-            for (const char* name : choice_names(T{})) spec.choices.emplace_back(name);
+            for (const char* name : choice_names(T{}))
+                spec.choices.emplace_back(name);
         specs.push_back(std::move(spec));
     };
     std::apply([&](const auto&... p) { (add(p), ...); }, Params::list());
     return specs;
 }
 
-// Params with the given values laid over the defaults; names that the list lacks are ignored (they were refused on parsing).
+// Params with the given values laid over the defaults; names that the list lacks are ignored (they were refused on
+// parsing).
 template <class Params>
 Params params_from(const ParamValues& values)
 {

@@ -8,19 +8,26 @@ namespace quoin {
 // k1, k2 are radial distortion of the *recorded* image (x_d = x (1 + k1 r^2 + k2 r^4), OpenCV's model); images are
 // undistorted when they are read, so algorithms see a pure pinhole and project() and ray() ignore them.
 struct Camera {
-    int width = 0;  // [px]
-    int height = 0; // [px]
+    int width = 0;                                 // [px]
+    int height = 0;                                // [px]
     double fx = 0.0, fy = 0.0, cx = 0.0, cy = 0.0; // [px]
     double k1 = 0.0, k2 = 0.0;
 
     // Pixel of a point in camera coordinates; p.z() must be positive.
-    Eigen::Vector2d project(const Eigen::Vector3d& p) const { return {fx * p.x() / p.z() + cx, fy * p.y() / p.z() + cy}; }
+    Eigen::Vector2d project(const Eigen::Vector3d& p) const
+    {
+        return {fx * p.x() / p.z() + cx, fy * p.y() / p.z() + cy};
+    }
     // Point of unit depth on the ray through a pixel: ray(u) * z is the point of depth z.
-    Eigen::Vector3d ray(const Eigen::Vector2d& pixel) const { return {(pixel.x() - cx) / fx, (pixel.y() - cy) / fy, 1.0}; }
+    Eigen::Vector3d ray(const Eigen::Vector2d& pixel) const
+    {
+        return {(pixel.x() - cx) / fx, (pixel.y() - cy) / fy, 1.0};
+    }
     // Is a pixel at least `border` px inside the image?
     bool contains(const Eigen::Vector2d& pixel, double border = 0.0) const
     {
-        return pixel.x() >= border && pixel.y() >= border && pixel.x() <= width - 1 - border && pixel.y() <= height - 1 - border;
+        return pixel.x() >= border && pixel.y() >= border && pixel.x() <= width - 1 - border &&
+               pixel.y() <= height - 1 - border;
     }
     // The camera of the image at 1/2^level of the size (pixel centres at integers: cx' = (cx + 0.5) / 2^l - 0.5).
     Camera at_level(int level) const

@@ -35,7 +35,8 @@ Moments Moments::translated(const Eigen::Vector3d& shift) const
 {
     Moments moved = *this;
     moved.first += area * shift;
-    const Eigen::Matrix3d cross = first * shift.transpose() + shift * first.transpose() + area * shift * shift.transpose();
+    const Eigen::Matrix3d cross =
+        first * shift.transpose() + shift * first.transpose() + area * shift * shift.transpose();
     moved.second[0] += cross(0, 0);
     moved.second[1] += cross(0, 1);
     moved.second[2] += cross(0, 2);
@@ -51,7 +52,8 @@ Moments triangle_moments(const Eigen::Vector3d& a, const Eigen::Vector3d& b, con
     moments.area = 0.5 * (b - a).cross(c - a).norm();
     const Eigen::Vector3d sum = a + b + c;
     moments.first = moments.area / 3.0 * sum;
-    moments.second = moments.area / 12.0 * (packed_outer(a, a) + packed_outer(b, b) + packed_outer(c, c) + packed_outer(sum, sum));
+    moments.second =
+        moments.area / 12.0 * (packed_outer(a, a) + packed_outer(b, b) + packed_outer(c, c) + packed_outer(sum, sum));
     return moments;
 }
 

@@ -1,6 +1,6 @@
-// Area moments of a set of triangles: {A, m, S} with A = integral dA, m = integral x dA, S = integral x x^T dA. They add up
-// under union and give plane, energy and RMS distance in closed form (Cai et al. 2017; algorithms of section 3.1).
-// Keep them about an origin near the data: S - m m^T / A cancels far from it.
+// Area moments of a set of triangles: {A, m, S} with A = integral dA, m = integral x dA, S = integral x x^T dA. They
+// add up under union and give plane, energy and RMS distance in closed form (Cai et al. 2017; algorithms of
+// section 3.1). Keep them about an origin near the data: S - m m^T / A cancels far from it.
 #pragma once
 
 #include "geometry/plane.h"
@@ -10,8 +10,8 @@
 namespace quoin {
 
 struct Moments {
-    double area = 0.0;                                 // [m^2]
-    Eigen::Vector3d first = Eigen::Vector3d::Zero();   // [m^3]
+    double area = 0.0;                                                        // [m^2]
+    Eigen::Vector3d first = Eigen::Vector3d::Zero();                          // [m^3]
     Eigen::Matrix<double, 6, 1> second = Eigen::Matrix<double, 6, 1>::Zero(); // xx xy xz yy yz zz [m^4]
 
     Moments& operator+=(const Moments& other)
@@ -41,8 +41,8 @@ struct Moments {
 // Exact moments of the triangle a b c.
 Moments triangle_moments(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
 
-// Least-squares plane (eigenvector of the smallest eigenvalue of the central moments, through the centroid). The sign of
-// the normal is arbitrary. A set without area gives the plane z = 0 through its centroid.
+// Least-squares plane (eigenvector of the smallest eigenvalue of the central moments, through the centroid). The sign
+// of the normal is arbitrary. A set without area gives the plane z = 0 through its centroid.
 Plane fit_plane(const Moments& moments);
 
 // RMS distance of the set to its own least-squares plane, and to a given plane [m].

@@ -12,7 +12,8 @@ public:
     explicit UnionFind(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
     std::uint32_t find(std::uint32_t i)
     {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+        while (parent_[i] != i)
+            i = parent_[i] = parent_[parent_[i]];
         return i;
     }
     void join(std::uint32_t root, std::uint32_t child_root) { parent_[child_root] = root; }

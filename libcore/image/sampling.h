@@ -44,7 +44,8 @@ inline Eigen::Vector3f sample_color(const ColorImage& image, double x, double y)
     const auto pixel = [](const Rgb8& p) { return Eigen::Vector3f(p[0], p[1], p[2]); };
     const Rgb8* top = image.row(y0) + x0;
     const Rgb8* bottom = image.row(y0 + 1) + x0;
-    return (1 - fy) * ((1 - fx) * pixel(top[0]) + fx * pixel(top[1])) + fy * ((1 - fx) * pixel(bottom[0]) + fx * pixel(bottom[1]));
+    return (1 - fy) * ((1 - fx) * pixel(top[0]) + fx * pixel(top[1])) +
+           fy * ((1 - fx) * pixel(bottom[0]) + fx * pixel(bottom[1]));
 }
 
 } // namespace quoin

@@ -18,9 +18,12 @@ struct Seen {
 void see_plane(Seen& seen, PlaneId plane)
 {
     if (seen.plane[0] == plane || seen.plane[1] == plane) return;
-    if (seen.plane[0] == kNoPlane) seen.plane[0] = plane;
-    else if (seen.plane[1] == kNoPlane) seen.plane[1] = plane;
-    else seen.more_planes = true;
+    if (seen.plane[0] == kNoPlane)
+        seen.plane[0] = plane;
+    else if (seen.plane[1] == kNoPlane)
+        seen.plane[1] = plane;
+    else
+        seen.more_planes = true;
 }
 
 VertexClass class_of(const Seen& seen)
@@ -55,7 +58,8 @@ std::vector<VertexClass> classify_vertices(const TriangleMesh& mesh, const std::
     }
     std::vector<VertexClass> classes(mesh.position.size());
     for (std::size_t v = 0; v < seen.size(); ++v) {
-        if (mesh_border[v] && seen[v].plane[1] != kNoPlane) seen[v].irregular = true; // where a crease meets the mesh border
+        if (mesh_border[v] && seen[v].plane[1] != kNoPlane)
+            seen[v].irregular = true; // where a crease meets the mesh border
         classes[v] = class_of(seen[v]);
     }
     return classes;

@@ -16,11 +16,13 @@ struct Visibility {
 };
 
 struct RasterizeOptions {
-    double near_plane = 0.05;  // [m]; triangles are clipped against it, not dropped: walls pass behind the camera
+    double near_plane = 0.05; // [m]; triangles are clipped against it, not dropped: walls pass behind the camera
     bool cull_back_faces = false;
 };
 
-// Renders by scan lines with a z-buffer; on equal depth the smaller face id wins. Serial: callers run cameras in parallel.
-Visibility rasterize(const TriangleMesh& mesh, const Camera& camera, const Rigid& camera_from_world, const RasterizeOptions& options = {});
+// Renders by scan lines with a z-buffer; on equal depth the smaller face id wins. Serial: callers run cameras in
+// parallel.
+Visibility rasterize(const TriangleMesh& mesh, const Camera& camera, const Rigid& camera_from_world,
+                     const RasterizeOptions& options = {});
 
 } // namespace quoin

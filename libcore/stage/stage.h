@@ -52,7 +52,8 @@ struct Stage {
     std::vector<Port> outputs;
     bool reads_images = false; // takes --scan-root
     Resources resources = {};
-    std::string implementation = {}; // "" = "builtin/<name>"; of a foreign program, what its code is: "foreign/<digest>"
+    std::string implementation =
+        {}; // "" = "builtin/<name>"; of a foreign program, what its code is: "foreign/<digest>"
 };
 
 // What the body of a stage sees of its run.

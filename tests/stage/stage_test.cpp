@@ -143,7 +143,8 @@ TEST_F(StageContract, EveryFailureHasItsExitCodeAndLeavesNothing)
 
 TEST_F(StageContract, AFullDiskIsExitCode4AndNamesTheFile)
 {
-    const auto result = run_command("cd " + folder_.path().string() + " && ulimit -f 0 && " QUOIN_BINARY_DIR
+    const auto result = run_command("cd " + folder_.path().string() +
+                                    " && ulimit -f 0 && " QUOIN_BINARY_DIR
                                     "/bin/toy_stage --in mesh=in.safetensors --out mesh=out.safetensors");
     EXPECT_EQ(result.exit_code, 4);
     EXPECT_THAT(result.output, HasSubstr("out.safetensors"));
