@@ -5,7 +5,7 @@
 #include "pipeline/run_record.h"
 #include "pipeline/study.h"
 #include "quoin/carry_out.h"
-#include "quoin/command_line.h"
+#include "quoin/option_parser.h"
 #include "quoin/options.h"
 #include "quoin/plan_table.h"
 #include "schema/schema.h"
@@ -140,17 +140,17 @@ struct AblateOptions {
 
     AblateOptions() { pipeline.pipeline = "ablation"; }
 
-    void add_to(CLI::App& app)
+    void add_to(OptionParser& parser)
     {
-        pipeline.add_to(app);
-        place.add_to(app);
-        budget.add_to(app);
-        add_repeated(app, "--vary", study.vary, "stage.param=VALUE,VALUE: one variant for each value");
-        add_repeated(app, "--matrix", study.matrix, "the same, repeated: a variant for each combination");
-        add_repeated(app, "--only", study.only, "only this variant, beside the baseline; may be repeated");
-        add_repeated(app, "--metrics", metrics,
-                     "figures to show, like 'views.*'; default: those of the pipeline, or all");
-        app.add_flag("--dry-run", is_dry, "only show what would run");
+        pipeline.add_to(parser);
+        place.add_to(parser);
+        budget.add_to(parser);
+        parser.repeated("--vary", study.vary, "stage.param=VALUE,VALUE: one variant for each value");
+        parser.repeated("--matrix", study.matrix, "the same, repeated: a variant for each combination");
+        parser.repeated("--only", study.only, "only this variant, beside the baseline; may be repeated");
+        parser.repeated("--metrics", metrics,
+                        "figures to show, like 'views.*'; default: those of the pipeline, or all");
+        parser.flag("--dry-run", is_dry, "only show what would run");
     }
 };
 
@@ -158,10 +158,10 @@ struct AblateOptions {
 
 int ablate_verb(const Arguments& arguments)
 {
-    CLI::App app("runs variants of a pipeline on the same scans and compares them", "quoin ablate");
+    OptionParser parser("runs variants of a pipeline on the same scans and compares them", "quoin ablate");
     AblateOptions options;
-    options.add_to(app);
-    if (!parse_arguments(app, arguments)) return 0;
+    options.add_to(parser);
+    if (!parser.parse(arguments)) return 0;
     Problems problems;
     const Pipeline pipeline = options.pipeline.read(problems);
     const Study study = make_study(pipeline, options.study, problems);

@@ -2,7 +2,7 @@
 #include "pipeline/catalogue.h"
 #include "pipeline/locate.h"
 #include "pipeline/source.h"
-#include "quoin/command_line.h"
+#include "quoin/option_parser.h"
 
 #include <cmath>
 #include <fmt/format.h>
@@ -43,10 +43,11 @@ void print_stage(const StageDescription& stage)
 
 int describe_verb(const Arguments& arguments)
 {
-    CLI::App app("shows ports and parameters of a stage; `STAGE --describe` gives the same as JSON", "quoin describe");
+    OptionParser parser("shows ports and parameters of a stage; `STAGE --describe` gives the same as JSON",
+                        "quoin describe");
     std::string name;
-    app.add_option("STAGE", name, "a stage, or the path of a program")->required();
-    if (!parse_arguments(app, arguments)) return 0;
+    parser.option("STAGE", name, "a stage, or the path of a program").required();
+    if (!parser.parse(arguments)) return 0;
     Catalogue catalogue(stage_folder());
     const std::filesystem::path program = catalogue.locate(name, std::filesystem::current_path());
     if (!names_a_path(name) && !std::filesystem::exists(program))

@@ -1,6 +1,6 @@
 #include "base/error.h"
 #include "pipeline/text_figures.h"
-#include "quoin/command_line.h"
+#include "quoin/option_parser.h"
 #include "quoin/store_options.h"
 #include "store/inventory.h"
 #include "store/object.h"
@@ -73,10 +73,10 @@ std::map<std::string, Usage> by_variant(const Store& store)
 
 int du_verb(const Arguments& arguments)
 {
-    CLI::App app("shows how much of the disk the store takes, by stage and by variant", "quoin du");
+    OptionParser parser("shows how much of the disk the store takes, by stage and by variant", "quoin du");
     StoreOptions options;
-    options.add_to(app);
-    if (!parse_arguments(app, arguments)) return 0;
+    options.add_to(parser);
+    if (!parser.parse(arguments)) return 0;
     const Store store = options.open();
     Sizes sizes;
     std::uint64_t total = 0, linked = 0;

@@ -1,16 +1,17 @@
 #include "quoin/emission.h"
 
 #include "pipeline/locate.h"
+#include "quoin/option_parser.h"
 
 namespace quoin {
 
-void EmissionOptions::add_to(CLI::App& app)
+void EmissionOptions::add_to(OptionParser& parser)
 {
-    pipeline.add_to(app);
-    pipeline.add_variant_to(app);
-    place.add_to(app);
-    app.add_option("--from", selection.from, "begin at this stage; results of earlier ones are taken as they are");
-    app.add_option("--until", selection.until, "end at this stage");
+    pipeline.add_to(parser);
+    pipeline.add_variant_to(parser);
+    place.add_to(parser);
+    parser.option("--from", selection.from, "begin at this stage; results of earlier ones are taken as they are");
+    parser.option("--until", selection.until, "end at this stage");
 }
 
 Emission EmissionOptions::load() const

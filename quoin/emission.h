@@ -11,7 +11,7 @@ struct EmissionOptions {
     PlaceOptions place;
     Selection selection;
 
-    void add_to(CLI::App& app);
+    void add_to(OptionParser& parser);
 
     // The checked run. Throws UsageError or InputError with everything that is wrong.
     Emission load() const;

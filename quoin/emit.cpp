@@ -7,7 +7,7 @@
 #include "pipeline/catalogue.h"
 #include "pipeline/locate.h"
 #include "pipeline/process.h"
-#include "quoin/command_line.h"
+#include "quoin/option_parser.h"
 #include "quoin/slurm_options.h"
 
 #include <algorithm>
@@ -21,12 +21,13 @@ namespace {
 // A format that is one text of a pipeline on scans.
 int emit_text(const char* name, std::string (*text_of)(const Emission&), const Arguments& arguments)
 {
-    CLI::App app(fmt::format("writes a pipeline on scans as a file for {}", name), fmt::format("quoin emit {}", name));
+    OptionParser parser(fmt::format("writes a pipeline on scans as a file for {}", name),
+                        fmt::format("quoin emit {}", name));
     EmissionOptions options;
-    options.add_to(app);
+    options.add_to(parser);
     std::string file;
-    app.add_option("--to", file, "write to this file (default: print)");
-    if (!parse_arguments(app, arguments)) return 0;
+    parser.option("--to", file, "write to this file (default: print)");
+    if (!parser.parse(arguments)) return 0;
     const std::string text = text_of(options.load());
     if (file.empty())
         fmt::print("{}", text);
@@ -40,10 +41,10 @@ int emit_ninja(const Arguments& arguments) { return emit_text("ninja", ninja_tex
 
 int emit_slurm(const Arguments& arguments)
 {
-    CLI::App app("writes a run as a folder of Slurm scripts; its submit.sh submits them", "quoin emit slurm");
+    OptionParser parser("writes a run as a folder of Slurm scripts; its submit.sh submits them", "quoin emit slurm");
     SlurmRun run;
-    run.add_to(app);
-    if (!parse_arguments(app, arguments)) return 0;
+    run.add_to(parser);
+    if (!parser.parse(arguments)) return 0;
     fmt::print("{}\n", (run.write() / "submit.sh").lexically_proximate(std::filesystem::current_path()).string());
     return 0;
 }
@@ -68,20 +69,20 @@ CommandHelp command_help()
 
 int emit_completion(const Arguments& arguments)
 {
-    CLI::App app("writes the completion script of a shell", "quoin emit completion");
+    OptionParser parser("writes the completion script of a shell", "quoin emit completion");
     std::string shell;
-    app.add_option("SHELL", shell, "bash or zsh")->required()->check(CLI::IsMember({"bash", "zsh"}));
-    if (!parse_arguments(app, arguments)) return 0;
+    parser.option("SHELL", shell, "bash or zsh").required().one_of({"bash", "zsh"});
+    if (!parser.parse(arguments)) return 0;
     fmt::print("{}", shell == "bash" ? bash_completion(command_help()) : zsh_completion(command_help()));
     return 0;
 }
 
 int emit_reference(const Arguments& arguments)
 {
-    CLI::App app("writes reference pages of all verbs and stages", "quoin emit reference");
+    OptionParser parser("writes reference pages of all verbs and stages", "quoin emit reference");
     std::string folder;
-    app.add_option("FOLDER", folder, "where to write them: docs/reference")->required();
-    if (!parse_arguments(app, arguments)) return 0;
+    parser.option("FOLDER", folder, "where to write them: docs/reference").required();
+    if (!parser.parse(arguments)) return 0;
     std::filesystem::create_directories(folder);
     for (const auto& [name, text] : reference_pages(command_help()))
         write_atomically(std::filesystem::path(folder) / name, text);

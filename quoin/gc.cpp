@@ -2,7 +2,7 @@
 
 #include "base/error.h"
 #include "pipeline/text_figures.h"
-#include "quoin/command_line.h"
+#include "quoin/option_parser.h"
 #include "quoin/store_options.h"
 
 #include <charconv>
@@ -39,19 +39,20 @@ void print_report(const GcReport& report, bool is_dry)
 
 int gc_verb(const Arguments& arguments)
 {
-    CLI::App app("frees space in the store; results that pins, the last runs, running processes or folders of results "
-                 "hold stay. Without a limit only rubbish goes",
-                 "quoin gc");
+    OptionParser parser(
+        "frees space in the store; results that pins, the last runs, running processes or folders of results "
+        "hold stay. Without a limit only rubbish goes",
+        "quoin gc");
     StoreOptions store;
     GcOptions options;
     std::string max_size, older_than;
-    store.add_to(app);
-    app.add_option("--max-size", max_size, "what was unused for longest goes until the store fits, like 200G");
-    app.add_option("--older-than", older_than, "what was unused for longer goes, like 14d");
-    app.add_option("--keep-last", options.keep_last, "runs whose results stay (default: 3); alone: all else goes")
-        ->check(CLI::NonNegativeNumber);
-    app.add_flag("--dry-run", options.is_dry, "only say what would go and what stays, each with the reason");
-    if (!parse_arguments(app, arguments)) return 0;
+    store.add_to(parser);
+    parser.option("--max-size", max_size, "what was unused for longest goes until the store fits, like 200G");
+    parser.option("--older-than", older_than, "what was unused for longer goes, like 14d");
+    parser.option("--keep-last", options.keep_last, "runs whose results stay (default: 3); alone: all else goes")
+        .not_negative();
+    parser.flag("--dry-run", options.is_dry, "only say what would go and what stays, each with the reason");
+    if (!parser.parse(arguments)) return 0;
     if (!max_size.empty()) options.max_size = parse_bytes(max_size, "--max-size");
     if (!older_than.empty()) options.older_than = parse_age(older_than);
     print_report(collect_garbage(store.open(), options), options.is_dry);

@@ -3,7 +3,7 @@
 #include "pipeline/forecast.h"
 #include "pipeline/graph_text.h"
 #include "pipeline/process.h"
-#include "quoin/command_line.h"
+#include "quoin/option_parser.h"
 #include "quoin/options.h"
 
 #include <fmt/format.h>
@@ -45,17 +45,17 @@ std::string as_svg(const std::string& dot, const std::filesystem::path& near)
 
 int graph_verb(const Arguments& arguments)
 {
-    CLI::App app("draws a pipeline; with --scan, coloured by what the store has", "quoin graph");
+    OptionParser parser("draws a pipeline; with --scan, coloured by what the store has", "quoin graph");
     PipelineOptions pipeline;
     PlaceOptions place;
-    pipeline.add_to(app);
-    pipeline.add_variant_to(app);
-    place.add_to(app);
+    pipeline.add_to(parser);
+    pipeline.add_variant_to(parser);
+    place.add_to(parser);
     std::string format = "text";
-    app.add_option("--format", format, "text, dot, mermaid or svg")
-        ->capture_default_str()
-        ->check(CLI::IsMember({"text", "dot", "mermaid", "svg"}));
-    if (!parse_arguments(app, arguments)) return 0;
+    parser.option("--format", format, "text, dot, mermaid or svg")
+        .show_default()
+        .one_of({"text", "dot", "mermaid", "svg"});
+    if (!parser.parse(arguments)) return 0;
     const Graph graph = pipeline.load();
     std::vector<NodeState> states;
     if (!place.scans.empty()) {

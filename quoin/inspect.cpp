@@ -2,7 +2,7 @@
 #include "base/error.h"
 #include "image/image_io.h"
 #include "pipeline/text_figures.h"
-#include "quoin/command_line.h"
+#include "quoin/option_parser.h"
 #include "quoin/tensor_statistics.h"
 #include "report/picture.h"
 #include "schema/schema.h"
@@ -130,17 +130,17 @@ ColorImage draw_picture(const fs::path& path, const std::string& schema, const P
 
 int inspect_verb(const Arguments& arguments)
 {
-    CLI::App app("shows what an artifact is, where it comes from and what it holds", "quoin inspect");
+    OptionParser parser("shows what an artifact is, where it comes from and what it holds", "quoin inspect");
     std::string file;
     bool as_json = false;
-    app.add_option("FILE", file, "an artifact (.safetensors)")->required();
-    app.add_flag("--json", as_json, "as JSON");
+    parser.option("FILE", file, "an artifact (.safetensors)").required();
+    parser.flag("--json", as_json, "as JSON");
     PictureOptions picture;
-    app.add_option("--picture", picture.picture, "draw it into this PNG file instead");
-    app.add_option("--scan-root", picture.scan_root, "the scan's folder, for pictures with photographs");
-    app.add_option("--scan", picture.scan,
-                   "the scan artifact, for keyframes and lines (default: ../import/scan.safetensors)");
-    if (!parse_arguments(app, arguments)) return 0;
+    parser.option("--picture", picture.picture, "draw it into this PNG file instead");
+    parser.option("--scan-root", picture.scan_root, "the scan's folder, for pictures with photographs");
+    parser.option("--scan", picture.scan,
+                  "the scan artifact, for keyframes and lines (default: ../import/scan.safetensors)");
+    if (!parser.parse(arguments)) return 0;
     const fs::path path = file;
     if (!fs::is_regular_file(path)) throw InputError(fmt::format("{}: no such file", file));
     const Artifact artifact = read_artifact(path);

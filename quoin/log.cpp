@@ -1,6 +1,6 @@
 #include "base/error.h"
 #include "pipeline/text_figures.h"
-#include "quoin/command_line.h"
+#include "quoin/option_parser.h"
 #include "quoin/store_options.h"
 #include "store/run_file.h"
 
@@ -58,16 +58,16 @@ void print_run(const RunHistory& run, const std::string& stage)
 
 int log_verb(const Arguments& arguments)
 {
-    CLI::App app("shows the runs that used the store, or one of them task by task with what its stages said",
-                 "quoin log");
+    OptionParser parser("shows the runs that used the store, or one of them task by task with what its stages said",
+                        "quoin log");
     StoreOptions options;
     std::string run, stage;
     std::size_t count = 20;
-    options.add_to(app);
-    app.add_option("RUN", run, "a run of the list, or `last`");
-    app.add_option("STAGE", stage, "only this stage");
-    app.add_option("--count", count, "runs to list")->capture_default_str();
-    if (!parse_arguments(app, arguments)) return 0;
+    options.add_to(parser);
+    parser.option("RUN", run, "a run of the list, or `last`");
+    parser.option("STAGE", stage, "only this stage");
+    parser.option("--count", count, "runs to list").show_default();
+    if (!parser.parse(arguments)) return 0;
     const Store store = options.open();
     const auto files = run_files(store);
     if (run.empty()) {

@@ -6,7 +6,7 @@
 #include "pipeline/pipeline_file.h"
 #include "pipeline/study.h"
 #include "pipeline/text_figures.h"
-#include "quoin/command_line.h"
+#include "quoin/option_parser.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -16,17 +16,17 @@
 namespace quoin {
 namespace fs = std::filesystem;
 
-void PipelineOptions::add_to(CLI::App& app)
+void PipelineOptions::add_to(OptionParser& parser)
 {
-    app.add_option("PIPELINE", pipeline, "a pipeline file, or the name of one of Quoin's own")->capture_default_str();
-    add_repeated(app, "--config", configs, "a parameter set {stage: {param: value}} laid over the pipeline");
-    add_repeated(app, "-S,--set", settings, "stage.param=value, laid over everything else");
-    add_repeated(app, "--use", uses, "stage=PROGRAM: another program for a stage");
+    parser.option("PIPELINE", pipeline, "a pipeline file, or the name of one of Quoin's own").show_default();
+    parser.repeated("--config", configs, "a parameter set {stage: {param: value}} laid over the pipeline");
+    parser.repeated("-S,--set", settings, "stage.param=value, laid over everything else");
+    parser.repeated("--use", uses, "stage=PROGRAM: another program for a stage");
 }
 
-void PipelineOptions::add_variant_to(CLI::App& app)
+void PipelineOptions::add_variant_to(OptionParser& parser)
 {
-    app.add_option("--variant", variant, "one of the pipeline's variants, laid over it");
+    parser.option("--variant", variant, "one of the pipeline's variants, laid over it");
 }
 
 Pipeline PipelineOptions::read(Problems& problems) const
@@ -53,11 +53,11 @@ Graph PipelineOptions::load() const
     return *std::move(graph);
 }
 
-void PlaceOptions::add_to(CLI::App& app)
+void PlaceOptions::add_to(OptionParser& parser)
 {
-    add_repeated(app, "--scan", scans, "[NAME=]DIR: a scan folder; may be repeated");
-    app.add_option("--out", out, "where the results appear")->capture_default_str();
-    app.add_option("--store", store, "the content store (default: $QUOIN_STORE, or OUT/.store)");
+    parser.repeated("--scan", scans, "[NAME=]DIR: a scan folder; may be repeated");
+    parser.option("--out", out, "where the results appear").show_default();
+    parser.option("--store", store, "the content store (default: $QUOIN_STORE, or OUT/.store)");
 }
 
 Layout PlaceOptions::layout() const
@@ -81,25 +81,24 @@ std::vector<NamedScan> PlaceOptions::named_scans(const Graph& graph) const
     return parse_scans(arguments);
 }
 
-void SelectionOptions::add_to(CLI::App& app)
+void SelectionOptions::add_to(OptionParser& parser)
 {
-    app.add_option("--from", selection.from, "begin at this stage; results of earlier ones are taken as they are");
-    app.add_option("--until", selection.until, "end at this stage");
-    add_repeated(app, "--force", selection.force, "compute this stage anew even when the store has its result");
+    parser.option("--from", selection.from, "begin at this stage; results of earlier ones are taken as they are");
+    parser.option("--until", selection.until, "end at this stage");
+    parser.repeated("--force", selection.force, "compute this stage anew even when the store has its result");
 }
 
-void BudgetOptions::add_to(CLI::App& app)
+void BudgetOptions::add_to(OptionParser& parser)
 {
     budget.jobs = 0;
     budget.threads = 0;
-    app.add_option("--jobs", budget.jobs, "stages side by side (default: 1, or one a scan while each has 4 threads)")
-        ->check(CLI::PositiveNumber);
-    app.add_option("--threads", budget.threads, "threads of all stages together (default: all)")
-        ->check(CLI::NonNegativeNumber);
-    app.add_option("--memory", memory, "memory of all stages together, like 16G; they are told to keep to it");
-    app.add_option("--timeout", timeout, "time that a stage may take, like 90s, 30m or 2h (default: any)");
-    app.add_option("--log-level", budget.log_level, "what stages say: debug, info, warning, error or off")
-        ->capture_default_str();
+    parser.option("--jobs", budget.jobs, "stages side by side (default: 1, or one a scan while each has 4 threads)")
+        .positive();
+    parser.option("--threads", budget.threads, "threads of all stages together (default: all)").not_negative();
+    parser.option("--memory", memory, "memory of all stages together, like 16G; they are told to keep to it");
+    parser.option("--timeout", timeout, "time that a stage may take, like 90s, 30m or 2h (default: any)");
+    parser.option("--log-level", budget.log_level, "what stages say: debug, info, warning, error or off")
+        .show_default();
 }
 
 Budget BudgetOptions::complete(std::size_t scans, const Layout& layout) const

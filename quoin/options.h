@@ -7,8 +7,8 @@
 #include "pipeline/pipeline.h"
 #include "pipeline/plan.h"
 #include "pipeline/scheduler.h"
+#include "quoin/option_parser.h"
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
 
@@ -21,8 +21,8 @@ struct PipelineOptions {
     std::vector<std::string> uses;
     std::string variant;
 
-    void add_to(CLI::App& app);
-    void add_variant_to(CLI::App& app); // for verbs that work on one variant
+    void add_to(OptionParser& parser);
+    void add_variant_to(OptionParser& parser); // for verbs that work on one variant
 
     // The pipeline with parameter sets and settings laid over it.
     Pipeline read(Problems& problems) const;
@@ -37,7 +37,7 @@ struct PlaceOptions {
     std::string out = "out";
     std::string store;
 
-    void add_to(CLI::App& app);
+    void add_to(OptionParser& parser);
 
     Layout layout() const;
 
@@ -49,7 +49,7 @@ struct PlaceOptions {
 struct SelectionOptions {
     Selection selection;
 
-    void add_to(CLI::App& app);
+    void add_to(OptionParser& parser);
 };
 
 // What a run may use of the machine.
@@ -58,7 +58,7 @@ struct BudgetOptions {
     std::string memory;
     std::string timeout;
 
-    void add_to(CLI::App& app);
+    void add_to(OptionParser& parser);
 
     // With what was left open filled in for so many scans.
     Budget complete(std::size_t scans, const Layout& layout) const;

@@ -2,7 +2,7 @@
 
 #include "artifact/artifact.h"
 #include "base/error.h"
-#include "quoin/command_line.h"
+#include "quoin/option_parser.h"
 #include "quoin/store_options.h"
 #include "store/run_file.h"
 
@@ -28,16 +28,16 @@ std::set<std::string> names_of(const Store& store, const std::string& what)
 
 int pin_verb(const Arguments& arguments)
 {
-    CLI::App app("keeps results from `quoin gc`; without arguments lists what is pinned", "quoin pin");
+    OptionParser parser("keeps results from `quoin gc`; without arguments lists what is pinned", "quoin pin");
     StoreOptions options;
     std::string name;
     std::vector<std::string> what;
     bool is_removed = false;
-    options.add_to(app);
-    app.add_option("NAME", name, "of the pin");
-    app.add_option("WHAT", what, "artifact files, runs, keys or payloads");
-    app.add_flag("--remove", is_removed, "remove the pin of that name");
-    if (!parse_arguments(app, arguments)) return 0;
+    options.add_to(parser);
+    parser.option("NAME", name, "of the pin");
+    parser.option("WHAT", what, "artifact files, runs, keys or payloads");
+    parser.flag("--remove", is_removed, "remove the pin of that name");
+    if (!parser.parse(arguments)) return 0;
     const Store store = options.open();
     if (name.empty()) {
         for (const auto& [pinned, held] : pins(store))

@@ -3,7 +3,7 @@
 #include "pipeline/forecast.h"
 #include "pipeline/stored_history.h"
 #include "pipeline/text_figures.h"
-#include "quoin/command_line.h"
+#include "quoin/option_parser.h"
 #include "quoin/options.h"
 
 #include <algorithm>
@@ -95,15 +95,16 @@ void print_plan(const std::vector<Task>& tasks, const std::filesystem::path& sto
 
 int plan_verb(const Arguments& arguments)
 {
-    CLI::App app("shows what `quoin run` would compute, with time, memory and disk from earlier runs", "quoin plan");
+    OptionParser parser("shows what `quoin run` would compute, with time, memory and disk from earlier runs",
+                        "quoin plan");
     PipelineOptions pipeline;
     PlaceOptions place;
     SelectionOptions selection;
-    pipeline.add_to(app);
-    pipeline.add_variant_to(app);
-    place.add_to(app);
-    selection.add_to(app);
-    if (!parse_arguments(app, arguments)) return 0;
+    pipeline.add_to(parser);
+    pipeline.add_variant_to(parser);
+    place.add_to(parser);
+    selection.add_to(parser);
+    if (!parser.parse(arguments)) return 0;
     const Graph graph = pipeline.load();
     const Layout layout = place.layout();
     print_plan(plan_tasks(graph, place.named_scans(graph), layout, selection.selection), layout.store);

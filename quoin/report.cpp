@@ -1,5 +1,5 @@
 #include "base/error.h"
-#include "quoin/command_line.h"
+#include "quoin/option_parser.h"
 #include "quoin/options.h"
 #include "quoin/report_sources.h"
 
@@ -24,16 +24,16 @@ fs::path take_page(PlaceOptions& place, const std::string& results, std::size_t 
 
 int report_verb(const Arguments& arguments)
 {
-    CLI::App app("writes a page that shows a model and its figures; it opens without network", "quoin report");
+    OptionParser parser("writes a page that shows a model and its figures; it opens without network", "quoin report");
     PipelineOptions pipeline;
     PlaceOptions place;
     std::string results = "out";
-    pipeline.add_to(app);
-    pipeline.add_variant_to(app);
-    place.add_to(app);
-    app.get_option("--out")->description("the --out of `quoin run`, or the FILE.html to write");
-    app.add_option("--results", results, "the --out of `quoin run`, when --out names the page")->capture_default_str();
-    if (!parse_arguments(app, arguments)) return 0;
+    pipeline.add_to(parser);
+    pipeline.add_variant_to(parser);
+    place.add_to(parser);
+    parser.describe("--out", "the --out of `quoin run`, or the FILE.html to write");
+    parser.option("--results", results, "the --out of `quoin run`, when --out names the page").show_default();
+    if (!parser.parse(arguments)) return 0;
     const Graph graph = pipeline.load();
     const auto scans = place.named_scans(graph);
     const fs::path named_page = take_page(place, results, scans.size());

@@ -1,6 +1,6 @@
 #include "pipeline/summary.h"
 #include "quoin/carry_out.h"
-#include "quoin/command_line.h"
+#include "quoin/option_parser.h"
 #include "quoin/options.h"
 #include "quoin/plan_table.h"
 #include "quoin/report_sources.h"
@@ -27,20 +27,20 @@ void print_results(const Graph& graph, const std::vector<NamedScan>& scans, cons
 
 int run_verb(const Arguments& arguments)
 {
-    CLI::App app("runs a pipeline on scans; what the store has is not computed again", "quoin run");
+    OptionParser parser("runs a pipeline on scans; what the store has is not computed again", "quoin run");
     PipelineOptions pipeline;
     PlaceOptions place;
     SelectionOptions selection;
     BudgetOptions budget;
     bool is_dry = false;
-    pipeline.add_to(app);
-    pipeline.add_variant_to(app);
-    place.add_to(app);
-    selection.add_to(app);
-    budget.add_to(app);
-    app.add_flag("--keep-going", budget.budget.keep_going, "after a failure, go on with what does not depend on it");
-    app.add_flag("--dry-run", is_dry, "only show what would run");
-    if (!parse_arguments(app, arguments)) return 0;
+    pipeline.add_to(parser);
+    pipeline.add_variant_to(parser);
+    place.add_to(parser);
+    selection.add_to(parser);
+    budget.add_to(parser);
+    parser.flag("--keep-going", budget.budget.keep_going, "after a failure, go on with what does not depend on it");
+    parser.flag("--dry-run", is_dry, "only show what would run");
+    if (!parser.parse(arguments)) return 0;
     const Graph graph = pipeline.load();
     const auto scans = place.named_scans(graph);
     const Layout layout = place.layout();

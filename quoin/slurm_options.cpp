@@ -2,7 +2,7 @@
 
 #include "pipeline/locate.h"
 #include "pipeline/process.h"
-#include "quoin/command_line.h"
+#include "quoin/option_parser.h"
 
 #include <charconv>
 
@@ -27,27 +27,23 @@ std::size_t max_array_size()
 
 } // namespace
 
-void SlurmRun::add_to(CLI::App& app)
+void SlurmRun::add_to(OptionParser& parser)
 {
-    run.add_to(app);
+    run.add_to(parser);
     slurm.max_array = 0;
-    app.add_option("--to", folder, "the folder of the scripts, where every node sees it")->capture_default_str();
-    app.add_option("--mode", mode, "stages: an array a stage; chain: one array, an element runs the whole pipeline")
-        ->capture_default_str()
-        ->check(CLI::IsMember({"stages", "chain"}));
-    app.add_flag("--all", all, "submit every scan and stage, without asking the store what it has");
-    app.add_option("--threads", slurm.threads, "cores of an element")
-        ->capture_default_str()
-        ->check(CLI::PositiveNumber);
-    app.add_option("--mem", slurm.memory, "memory of a stage that the store has no record of")->capture_default_str();
-    app.add_option("--minutes", slurm.minutes, "time limit of such a stage")
-        ->capture_default_str()
-        ->check(CLI::PositiveNumber);
-    app.add_option("--max-running", slurm.max_running, "elements of an array that run side by side (default: all)")
-        ->check(CLI::PositiveNumber);
-    app.add_option("--max-array-size", slurm.max_array, "Slurm's MaxArraySize (default: ask scontrol, or 1001)")
-        ->check(CLI::PositiveNumber);
-    add_repeated(app, "--sbatch", slurm.directives, "a further option of sbatch, like --partition=long");
+    parser.option("--to", folder, "the folder of the scripts, where every node sees it").show_default();
+    parser.option("--mode", mode, "stages: an array a stage; chain: one array, an element runs the whole pipeline")
+        .show_default()
+        .one_of({"stages", "chain"});
+    parser.flag("--all", all, "submit every scan and stage, without asking the store what it has");
+    parser.option("--threads", slurm.threads, "cores of an element").show_default().positive();
+    parser.option("--mem", slurm.memory, "memory of a stage that the store has no record of").show_default();
+    parser.option("--minutes", slurm.minutes, "time limit of such a stage").show_default().positive();
+    parser.option("--max-running", slurm.max_running, "elements of an array that run side by side (default: all)")
+        .positive();
+    parser.option("--max-array-size", slurm.max_array, "Slurm's MaxArraySize (default: ask scontrol, or 1001)")
+        .positive();
+    parser.repeated("--sbatch", slurm.directives, "a further option of sbatch, like --partition=long");
 }
 
 fs::path SlurmRun::write()

@@ -13,7 +13,7 @@ struct SlurmRun {
     std::string mode = "stages";
     bool all = false;
 
-    void add_to(CLI::App& app);
+    void add_to(OptionParser& parser);
 
     // Writes the folder and returns its path. Throws UsageError or InputError.
     std::filesystem::path write();

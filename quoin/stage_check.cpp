@@ -4,7 +4,7 @@
 #include "pipeline/catalogue.h"
 #include "pipeline/command_file.h"
 #include "pipeline/locate.h"
-#include "quoin/command_line.h"
+#include "quoin/option_parser.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -50,14 +50,14 @@ const char* state_text(CheckResult::State state)
 
 int stage_check_verb(const Arguments& arguments)
 {
-    CLI::App app("tests whether a program honours the stage contract", "quoin stage-check");
+    OptionParser parser("tests whether a program honours the stage contract", "quoin stage-check");
     std::string name;
     std::vector<std::string> inputs;
     std::string scan_root;
-    app.add_option("PROGRAM", name, "a program, a described command line (FILE.yaml), or a stage")->required();
-    add_repeated(app, "--in", inputs, "PORT=FILE: an input to test with, where there is no sample");
-    app.add_option("--scan-root", scan_root, "the folder of the images of that scan");
-    if (!parse_arguments(app, arguments)) return 0;
+    parser.option("PROGRAM", name, "a program, a described command line (FILE.yaml), or a stage").required();
+    parser.repeated("--in", inputs, "PORT=FILE: an input to test with, where there is no sample");
+    parser.option("--scan-root", scan_root, "the folder of the images of that scan");
+    if (!parser.parse(arguments)) return 0;
     StageUnderTest stage = stage_named(name);
     stage.inputs = parse_inputs(inputs);
     if (!scan_root.empty()) stage.scan_root = fs::absolute(scan_root);

@@ -1,6 +1,6 @@
 #include "pipeline/catalogue.h"
 #include "pipeline/locate.h"
-#include "quoin/command_line.h"
+#include "quoin/option_parser.h"
 
 #include <fmt/format.h>
 
@@ -8,8 +8,8 @@ namespace quoin {
 
 int stages_verb(const Arguments& arguments)
 {
-    CLI::App app("lists the stages that there are", "quoin stages");
-    if (!parse_arguments(app, arguments)) return 0;
+    OptionParser parser("lists the stages that there are", "quoin stages");
+    if (!parser.parse(arguments)) return 0;
     const std::filesystem::path folder = stage_folder();
     Catalogue catalogue(folder);
     for (const auto& name : catalogue.names()) {

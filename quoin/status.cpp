@@ -2,7 +2,7 @@
 #include "pipeline/layout.h"
 #include "pipeline/run_record.h"
 #include "pipeline/text_figures.h"
-#include "quoin/command_line.h"
+#include "quoin/option_parser.h"
 #include "quoin/submission_status.h"
 
 #include <algorithm>
@@ -76,11 +76,12 @@ void print_scan(const Layout& layout, const std::string& scan)
 
 int status_verb(const Arguments& arguments)
 {
-    CLI::App app("shows what a folder of results holds, with seconds and peak memory; or how far a Slurm submission is",
-                 "quoin status");
+    OptionParser parser(
+        "shows what a folder of results holds, with seconds and peak memory; or how far a Slurm submission is",
+        "quoin status");
     std::string out = "out";
-    app.add_option("OUT", out, "the --out of `quoin run`, or the folder of `quoin submit`")->capture_default_str();
-    if (!parse_arguments(app, arguments)) return 0;
+    parser.option("OUT", out, "the --out of `quoin run`, or the folder of `quoin submit`").show_default();
+    if (!parser.parse(arguments)) return 0;
     if (is_submission(out)) {
         print_submission(out);
         return 0;

@@ -1,6 +1,7 @@
 #include "quoin/store_options.h"
 
 #include "base/error.h"
+#include "quoin/option_parser.h"
 
 #include <cstdlib>
 #include <filesystem>
@@ -9,10 +10,10 @@
 namespace quoin {
 namespace fs = std::filesystem;
 
-void StoreOptions::add_to(CLI::App& app)
+void StoreOptions::add_to(OptionParser& parser)
 {
-    app.add_option("--store", store, "the store (default: $QUOIN_STORE, or OUT/.store)");
-    app.add_option("--out", out, "the --out of `quoin run`")->capture_default_str();
+    parser.option("--store", store, "the store (default: $QUOIN_STORE, or OUT/.store)");
+    parser.option("--out", out, "the --out of `quoin run`").show_default();
 }
 
 Store StoreOptions::open() const

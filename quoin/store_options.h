@@ -1,9 +1,9 @@
 // Options of the verbs that look after a store.
 #pragma once
 
+#include "quoin/option_parser.h"
 #include "store/store.h"
 
-#include <CLI/CLI.hpp>
 #include <string>
 
 namespace quoin {
@@ -12,7 +12,7 @@ struct StoreOptions {
     std::string store;
     std::string out = "out";
 
-    void add_to(CLI::App& app);
+    void add_to(OptionParser& parser);
 
     // Throws InputError when there is no store: these verbs make none.
     Store open() const;

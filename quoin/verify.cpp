@@ -4,7 +4,7 @@
 #include "pipeline/locate.h"
 #include "pipeline/rerun.h"
 #include "pipeline/text_figures.h"
-#include "quoin/command_line.h"
+#include "quoin/option_parser.h"
 #include "quoin/store_options.h"
 
 #include <algorithm>
@@ -22,15 +22,15 @@ struct VerifyOptions {
     std::vector<std::string> stages;
     std::vector<std::string> scans;
 
-    void add_to(CLI::App& app)
+    void add_to(OptionParser& parser)
     {
-        store.add_to(app);
-        app.add_flag("--keep", keep,
-                     "leave damaged results in the store; by default they are taken out, to be computed again");
-        app.add_flag("--rerun", rerun, "also compute every result again and compare the bytes");
-        app.add_option("--threads", threads, "thread counts to rerun with (default: 1 and all)")->delimiter(',');
-        add_repeated(app, "--stage", stages, "rerun this stage only; may be repeated");
-        add_repeated(app, "--scan", scans, "a scan folder that results were made from: reruns read it");
+        store.add_to(parser);
+        parser.flag("--keep", keep,
+                    "leave damaged results in the store; by default they are taken out, to be computed again");
+        parser.flag("--rerun", rerun, "also compute every result again and compare the bytes");
+        parser.option("--threads", threads, "thread counts to rerun with (default: 1 and all)").comma_separated();
+        parser.repeated("--stage", stages, "rerun this stage only; may be repeated");
+        parser.repeated("--scan", scans, "a scan folder that results were made from: reruns read it");
     }
 };
 
@@ -78,11 +78,11 @@ bool rerun(const Store& store, const VerifyOptions& options)
 
 int verify_verb(const Arguments& arguments)
 {
-    CLI::App app("reads every result in the store and says what is damaged; exit code 1 when something is",
-                 "quoin verify");
+    OptionParser parser("reads every result in the store and says what is damaged; exit code 1 when something is",
+                        "quoin verify");
     VerifyOptions options;
-    options.add_to(app);
-    if (!parse_arguments(app, arguments)) return 0;
+    options.add_to(parser);
+    if (!parser.parse(arguments)) return 0;
     const Store store = options.store.open();
     bool is_good = verify(store, options);
     if (options.rerun) is_good = rerun(store, options) && is_good;

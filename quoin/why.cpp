@@ -1,6 +1,6 @@
 #include "base/error.h"
 #include "pipeline/explain.h"
-#include "quoin/command_line.h"
+#include "quoin/option_parser.h"
 #include "quoin/options.h"
 
 #include <algorithm>
@@ -23,18 +23,19 @@ void require_stages(const Graph& graph, const std::vector<std::string>& stages)
 
 int why_verb(const Arguments& arguments)
 {
-    CLI::App app("says why stages would run again, down to the parameter or file that changed, or why they would not",
-                 "quoin why");
+    OptionParser parser(
+        "says why stages would run again, down to the parameter or file that changed, or why they would not",
+        "quoin why");
     PipelineOptions pipeline;
     PlaceOptions place;
     SelectionOptions selection;
     std::vector<std::string> stages;
-    pipeline.add_to(app);
-    pipeline.add_variant_to(app);
-    place.add_to(app);
-    selection.add_to(app);
-    add_repeated(app, "--stage", stages, "a stage to explain; default: all");
-    if (!parse_arguments(app, arguments)) return 0;
+    pipeline.add_to(parser);
+    pipeline.add_variant_to(parser);
+    place.add_to(parser);
+    selection.add_to(parser);
+    parser.repeated("--stage", stages, "a stage to explain; default: all");
+    if (!parser.parse(arguments)) return 0;
     const Graph graph = pipeline.load();
     require_stages(graph, stages);
     const Layout layout = place.layout();

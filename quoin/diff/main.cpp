@@ -2,8 +2,8 @@
 #include "base/error.h"
 #include "compare/compare.h"
 #include "quoin/diff/run_diff.h"
+#include "quoin/option_parser.h"
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <fmt/format.h>
 
@@ -30,20 +30,15 @@ int diff(const fs::path& first, const fs::path& second)
 
 int main(int argc, char** argv)
 {
-    CLI::App app("compares two artifacts, or the results of two runs; exit code 0 when they are equal, 1 when not",
-                 "quoin diff");
-    std::string first, second;
-    app.add_option("A", first, "an artifact, or OUT/<scan> of a run")->required();
-    app.add_option("B", second, "another")->required();
     try {
-        app.parse(argc, argv);
+        quoin::OptionParser parser(
+            "compares two artifacts, or the results of two runs; exit code 0 when they are equal, 1 when not",
+            "quoin diff");
+        std::string first, second;
+        parser.option("A", first, "an artifact, or OUT/<scan> of a run").required();
+        parser.option("B", second, "another").required();
+        if (!parser.parse(quoin::Arguments(argv + 1, argv + argc))) return 0;
         return quoin::diff(first, second);
-    } catch (const CLI::CallForHelp&) {
-        fmt::print("{}", app.help());
-        return 0;
-    } catch (const CLI::ParseError& error) {
-        fmt::print(stderr, "quoin diff: {}; see quoin diff --help\n", error.what());
-        return static_cast<int>(quoin::ExitCode::Usage);
     } catch (const quoin::Error& error) {
         fmt::print(stderr, "{}\n", error.what());
         return static_cast<int>(error.code());
