@@ -10,7 +10,8 @@
 namespace quoin {
 namespace {
 
-constexpr int kStride = 8; // a pixel in so many along both axes is compared
+constexpr int kStride = 8;            // a pixel in so many along both axes is compared
+constexpr double kLeastOverlap = 0.1; // share of the compared pixels that both frames of the pairs see
 
 // Depth units of the sensors and data sets in use [m].
 constexpr std::array kCommonUnits{1.0 / 1000.0, 1.0 / 5000.0, 1.0 / 4000.0, 1.0 / 10000.0, 1.0 / 256.0};
@@ -96,7 +97,7 @@ ReprojectionCheck::ReprojectionCheck(const ScanImages& images, std::vector<Eigen
 {
     const std::vector<FrameId> ids = frames_to_compare(images.scan());
     if (ids.size() < 2 || settings.pairs == 0) return;
-    const std::size_t gap = frames_between(images.scan(), ids, settings.gap);
+    const std::size_t gap = gap_ = frames_between(images.scan(), ids, settings.gap);
     const std::size_t possible = ids.size() - gap;
     const std::size_t count = std::min(static_cast<std::size_t>(settings.pairs), possible);
     std::map<FrameId, std::size_t> view_of; // a frame can be in two pairs
@@ -115,6 +116,12 @@ ReprojectionCheck::ReprojectionCheck(const ScanImages& images, std::vector<Eigen
         for (float& value : target.steps.pixels)
             value *= steps_a_metre;
     });
+}
+
+bool ReprojectionCheck::overlaps(const ScanCheck& check) const
+{
+    const double pixels = std::ceil(1.0 * camera_.width / kStride) * std::ceil(1.0 * camera_.height / kStride);
+    return static_cast<double>(check.samples) >= kLeastOverlap * pixels * static_cast<double>(check.pairs);
 }
 
 ScanCheck ReprojectionCheck::agreement(const Reading& reading) const
@@ -143,7 +150,7 @@ Reading ReprojectionCheck::better_reading(const Reading& current, double ratio) 
     std::vector<std::pair<double, Reading>> candidates;
     for (const Reading& reading : readings_around(current)) {
         const ScanCheck check = agreement(reading);
-        const bool fits = check.samples * 2 >= now.samples && check.samples > 0 &&
+        const bool fits = check.samples * 2 >= now.samples && overlaps(check) &&
                           (now.samples == 0 || check.relative * ratio <= now.relative);
         if (fits) candidates.emplace_back(check.relative, reading);
     }

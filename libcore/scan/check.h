@@ -35,9 +35,15 @@ public:
     // Agreement if the scan is read that way.
     ScanCheck agreement(const Reading& reading) const;
 
-    // The reading that fits at least `ratio` times better than `current` and compares at least half as many pixels:
-    // inverted poses, other axes, flipped y, other common depth units. The one with fewest changes among equals.
-    // Returns `current` itself when there is none.
+    // Frames from one of a pair to the other.
+    std::size_t gap() const { return gap_; }
+
+    // Whether a tenth of the pixels could be compared: below, agreement is chance.
+    bool overlaps(const ScanCheck& check) const;
+
+    // The reading that overlaps, fits at least `ratio` times better than `current` and compares at least half as many
+    // pixels: inverted poses, other axes, flipped y, other common depth units. The one with fewest changes among
+    // equals. Returns `current` itself when there is none.
     Reading better_reading(const Reading& current, double ratio) const;
 
 private:
@@ -51,6 +57,7 @@ private:
     Camera camera_;
     std::vector<View> views_;
     std::vector<Pair> pairs_;
+    std::size_t gap_ = 1;
 };
 
 } // namespace quoin

@@ -275,12 +275,15 @@ void compare_depths(const ScanImages& images, const std::vector<ListedFrame>& fr
     std::vector<Eigen::Matrix4d> poses;
     for (const ListedFrame& frame : frames)
         poses.push_back(frame.pose);
-    const ReprojectionCheck check(images, std::move(poses), {params.check_pairs, params.check_gap});
     const Reading current{convention, images.scan().depth_unit};
-    const Reading better = check.better_reading(current, params.check_ratio);
-    report.check = check.agreement(current);
-    report.suggestion = flags_between(current, better);
-    report.suggested = check.agreement(better);
+    for (double gap = params.check_gap;; gap /= 2) { // a camera that turns fast soon sees something else
+        const ReprojectionCheck check(images, poses, {params.check_pairs, gap});
+        const Reading better = check.better_reading(current, params.check_ratio);
+        report.check = check.agreement(current);
+        report.suggestion = flags_between(current, better);
+        report.suggested = check.agreement(better);
+        if (check.overlaps(report.check) || !report.suggestion.empty() || check.gap() <= 1) return;
+    }
 }
 
 } // namespace

@@ -137,6 +137,23 @@ TEST_F(ImportTest, GivesTheSameScanForAnyNumberOfThreads)
     set_thread_count(0);
 }
 
+TEST(ImportCheck, ComparesFramesThatSeeTheSameHoweverFastTheCameraTurns)
+{
+    const ScanFolder folder;
+    std::vector<Eigen::Matrix4d> poses;
+    for (int i = 0; i < 50; ++i) { // 120 degrees in the 0.67 s that pairs are apart
+        Rigid world_from_camera = Rigid::Identity();
+        world_from_camera.linear() = Eigen::AngleAxisd(0.1 * i, Eigen::Vector3d::UnitY()).toRotationMatrix();
+        world_from_camera.translation() << 0.01 * i, 0.1, 0.2;
+        poses.push_back(world_from_camera.matrix());
+    }
+    write_seven_scenes(folder, poses);
+    const ImportReport report = import_scan(folder.path(), {}).report;
+    EXPECT_GT(report.check.samples, report.check.pairs * 5);
+    EXPECT_LT(report.check.relative, 0.02);
+    EXPECT_EQ(report.suggestion, "");
+}
+
 TEST(ImportErrors, MissingEmptyAndUnknownFoldersSayWhatWasExpected)
 {
     const TemporaryFolder folder;
