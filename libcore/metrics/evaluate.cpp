@@ -29,6 +29,12 @@ void add_size(MetricList& list, const Evaluated& inputs)
             list.lower("size.face_ratio", "",
                        static_cast<double>(model->mesh.face.size()) / static_cast<double>(inputs.dense->face.size()));
     }
+    if (!inputs.face_filled.empty()) {
+        double area = 0.0;
+        for (FaceId f = 0; f < inputs.face_filled.size(); ++f)
+            if (inputs.face_filled[f] != 0) area += face_area(inputs.model()->mesh, f);
+        list.plain("size.filled_area", "m2", area);
+    }
     if (inputs.dense) {
         list.plain("size.dense_vertices", "", static_cast<double>(inputs.dense->position.size()));
         list.plain("size.dense_faces", "", static_cast<double>(inputs.dense->face.size()));
@@ -73,6 +79,16 @@ std::vector<Vector3d> positions(const std::vector<SurfaceSample>& samples)
     return points;
 }
 
+// What can be held against the reference: of a model that closes holes, against a dense mesh that has them, the rest.
+std::vector<Vector3d> comparable(const std::vector<SurfaceSample>& samples,
+                                 const std::vector<std::uint8_t>& face_filled)
+{
+    std::vector<Vector3d> points;
+    for (const SurfaceSample& s : samples)
+        if (face_filled.empty() || !face_filled[s.face]) points.push_back(s.position);
+    return points;
+}
+
 // The reference of distances: the truth with the points that the scan saw, or else the dense mesh with points all over.
 struct Reference {
     const TriangleMesh* mesh;
@@ -90,10 +106,10 @@ Reference reference_of(const Evaluated& inputs, const EvaluateParams& params)
 }
 
 void add_geometry(MetricList& list, const std::string& name, const TriangleMesh& mesh, const Reference& reference,
-                  const EvaluateParams& params)
+                  const EvaluateParams& params, const std::vector<std::uint8_t>& left_out = {})
 {
     const std::vector<double> there =
-        distances(positions(sample_surface(mesh, static_cast<std::size_t>(params.samples))),
+        distances(comparable(sample_surface(mesh, static_cast<std::size_t>(params.samples)), left_out),
                   NearestItem(*reference.mesh), params.reach);
     const std::vector<double> back = distances(reference.points, NearestItem(mesh), params.reach);
     const auto add = [&](const std::string& part, const DistanceStatistics& s) {
@@ -135,7 +151,8 @@ void add_surfaces(MetricList& list, const Evaluated& inputs, const EvaluateParam
 {
     const PlaneMesh* model = inputs.model();
     if (!inputs.truth) {
-        if (model && inputs.dense) add_geometry(list, "geometry", model->mesh, reference_of(inputs, params), params);
+        if (model && inputs.dense)
+            add_geometry(list, "geometry", model->mesh, reference_of(inputs, params), params, inputs.face_filled);
         return;
     }
     const Reference reference = reference_of(inputs, params);
@@ -207,6 +224,10 @@ void check(const Evaluated& inputs)
     };
     refuse_empty(inputs.dense, "mesh");
     refuse_empty(inputs.model() ? &inputs.model()->mesh : nullptr, inputs.textured ? "textured_mesh" : "plane_mesh");
+    if (!inputs.face_filled.empty() &&
+        (!inputs.model() || inputs.face_filled.size() != inputs.model()->mesh.face.size()))
+        throw InputError(fmt::format("{} marks of closed holes: expected one for each face of the model",
+                                     inputs.face_filled.size()));
 }
 
 } // namespace

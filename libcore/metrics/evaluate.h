@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace quoin {
 
@@ -75,13 +76,16 @@ struct Evaluated {
     const Alignment* alignment = nullptr;
     const TexturedMesh* textured = nullptr;
     const GroundTruth* truth = nullptr;
+    std::vector<std::uint8_t> face_filled; // of the light model; 1 = closes a hole. Empty: none is known to
 
     // The light model: the textured mesh's, or else the plane mesh.
     const PlaneMesh* model() const { return textured ? &textured->planes : planes; }
 };
 
 // Lengths in millimetres, angles in degrees. Groups: size, hygiene, geometry, planes, creases, poses, exposure,
-// texture, views. Throws UsageError when there is no mesh at all, InputError when inputs do not belong together.
+// texture, views. Against a dense mesh, which has nothing there, faces that close holes are left out of
+// geometry.accuracy; against the truth they count. Throws UsageError when there is no mesh at all, InputError when
+// inputs do not belong together.
 Metrics evaluate(const Evaluated& inputs, const EvaluateParams& params);
 
 // The figures as lines for a person: name, value, unit, and which way is better.

@@ -1,4 +1,5 @@
 #include "metrics/evaluate.h"
+#include "schema/filled_schema.h"
 #include "schema/schema.h"
 #include "stage/stage.h"
 
@@ -27,6 +28,7 @@ int main(int argc, char** argv)
     const quoin::Stage stage{
         .name = "evaluate",
         .summary = "measures a model against ground truth, dense mesh and held-out photographs",
+        .impl_version = 2,
         .inputs = {{"scan", "for held-out views and poses", true},
                    {"keyframes", "for poses", true},
                    {"mesh", "dense mesh", true},
@@ -49,9 +51,12 @@ int main(int argc, char** argv)
             const auto truth = run.has("folder") ? find_ground_truth(run.in("folder")) : std::nullopt;
             std::optional<ScanImages> images;
             if (scan && !run.scan_root().empty()) images.emplace(*scan, run.scan_root());
-            const Metrics metrics = evaluate({address(scan), address(images), address(keyframes), address(dense),
-                                              address(planes), address(alignment), address(textured), address(truth)},
-                                             params);
+            const char* model = textured ? "textured_mesh" : "plane_mesh";
+            const Metrics metrics =
+                evaluate({address(scan), address(images), address(keyframes), address(dense), address(planes),
+                          address(alignment), address(textured), address(truth),
+                          run.has(model) ? read_face_filled(run.in(model)) : std::vector<std::uint8_t>()},
+                         params);
             std::fputs(metrics_table(metrics).c_str(), stdout);
             run.write("metrics", metrics);
         });

@@ -94,6 +94,25 @@ TEST(Evaluate, OfTheTruthItselfIsPerfect)
     EXPECT_EQ(value_of(m, "hygiene.non_manifold_edges"), 0.0);
 }
 
+TEST(Evaluate, LeavesClosedHolesOutOfTheDistanceToADenseMeshThatLacksThem)
+{
+    const PlaneMesh model = corner_model(3);
+    TriangleMesh dense = model.mesh;
+    const std::size_t scanned = 2 * model.mesh.face.size() / 3; // the last plane is a hole of the dense mesh
+    dense.face.resize(scanned);
+    Evaluated inputs;
+    inputs.planes = &model;
+    inputs.dense = &dense;
+    EXPECT_GT(value_of(evaluate(inputs, quick()), "geometry.accuracy.rms"), 50.0);
+    inputs.face_filled.assign(model.mesh.face.size(), 0);
+    std::fill(inputs.face_filled.begin() + static_cast<std::ptrdiff_t>(scanned), inputs.face_filled.end(), 1);
+    const Metrics m = evaluate(inputs, quick());
+    EXPECT_LT(value_of(m, "geometry.accuracy.rms"), 1e-3);
+    EXPECT_NEAR(value_of(m, "size.filled_area"), 1.0, 1e-5);
+    inputs.face_filled.pop_back();
+    EXPECT_THAT(test::error_of([&] { evaluate(inputs, quick()); }, ExitCode::Input), testing::HasSubstr("53 marks"));
+}
+
 TEST(Evaluate, SeesAPlaneThatIsTurnedAndMoved)
 {
     PlaneMesh model = corner_model(3);
