@@ -145,13 +145,14 @@ ScanCheck ReprojectionCheck::agreement(const Reading& reading) const
 
 Reading ReprojectionCheck::better_reading(const Reading& current, double ratio) const
 {
-    constexpr double as_good = 1.25; // readings within this factor of the best are equals
+    constexpr double as_good = 1.25;   // readings within this factor of the best are equals
+    constexpr double fits_well = 0.05; // of the depth; asked for where the current one has nothing to compare
     const ScanCheck now = agreement(current);
     std::vector<std::pair<double, Reading>> candidates;
     for (const Reading& reading : readings_around(current)) {
         const ScanCheck check = agreement(reading);
         const bool fits = check.samples * 2 >= now.samples && overlaps(check) &&
-                          (now.samples == 0 || check.relative * ratio <= now.relative);
+                          check.relative * ratio <= (now.samples == 0 ? ratio * fits_well : now.relative);
         if (fits) candidates.emplace_back(check.relative, reading);
     }
     if (candidates.empty()) return current;
