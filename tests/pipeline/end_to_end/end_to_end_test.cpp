@@ -224,11 +224,14 @@ TEST_F(EndToEnd, SaysWhyAStageWouldRunDownToTheParameter)
     const std::string quoin = kBin + "/quoin ";
     const std::string place = " --scan room --out one -S optimize-geometry.lambda_l=7";
     const CommandResult why = in_folder(quoin + "why --stage export" + place);
+    // The run before had another jpeg_quality, so there are two reasons.
     EXPECT_THAT(why.output, HasSubstr("room/export may run\n  <- textured_mesh is made by <- bake-texture may run <- "
+                                      "param jpeg_quality 80 -> 92 (the stage's default)\n"));
+    EXPECT_THAT(why.output, HasSubstr("<- bake-texture may run <- plane_mesh is made by <- fill-holes may run <- "
                                       "plane_mesh is made by <- optimize-geometry must run <- param lambda_l 10 -> 7 "
                                       "(-S)\n"));
     const CommandResult plan = in_folder(quoin + "plan" + place);
-    EXPECT_THAT(plan.output, HasSubstr("1 to compute, 3 that follow from those\nabout "));
+    EXPECT_THAT(plan.output, HasSubstr("1 to compute, 4 that follow from those\nabout "));
     EXPECT_THAT(in_folder(quoin + "graph" + place).output, HasSubstr("optimize-geometry  to compute"));
     EXPECT_THAT(in_folder(quoin + "why --stage fuze" + place).output, HasSubstr("did you mean 'fuse'?"));
 }
