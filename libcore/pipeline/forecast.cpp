@@ -7,9 +7,6 @@
 
 namespace quoin {
 namespace fs = std::filesystem;
-namespace {
-
-} // namespace
 
 std::vector<Forecast> forecast_tasks(const std::vector<Task>& tasks, const fs::path& root)
 {
