@@ -1,3 +1,4 @@
+#include "build_paths.h"
 #include "compare/compare.h"
 
 #include "compare/plane_match.h"

@@ -1,4 +1,5 @@
 // Completion as the shells themselves run it, on the toy stages.
+#include "build_paths.h"
 #include "support/workshop.h"
 
 #include <gmock/gmock.h>

@@ -1,6 +1,7 @@
 // Programs that are not Quoin's own in a pipeline: described command lines, programs of the contract, and a stage in
 // Python.
 #include "artifact/artifact.h"
+#include "build_paths.h"
 #include "foreign/stage_check.h"
 #include "schema/schema.h"
 #include "support/plane_meshes.h"

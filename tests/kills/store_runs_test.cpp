@@ -1,5 +1,6 @@
 // What becomes of runs when the store is moved, damaged, full, read-only or gone, by the real driver and small real
 // stages.
+#include "build_paths.h"
 #include "kills/toy_runs.h"
 
 #include "base/atomic_file.h"

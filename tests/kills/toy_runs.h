@@ -1,6 +1,7 @@
 // Runs of the driver over the toy path: source -> two scales -> join -> folder.
 #pragma once
 
+#include "build_paths.h"
 #include "pipeline/run_record.h"
 #include "support/command.h"
 #include "support/temporary_folder.h"

@@ -1,3 +1,4 @@
+#include "build_paths.h"
 #include "model/export_model.h"
 
 #include "base/atomic_file.h"

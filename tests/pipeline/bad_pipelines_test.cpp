@@ -1,5 +1,6 @@
 // Every file of bad/ is refused with exactly the words that stand beside it, and nothing is started. A file
 // NAME.arguments is the command line where it is not `run NAME.yaml --scan ROOM`.
+#include "build_paths.h"
 #include "pipeline/fake_stages.h"
 #include "support/command.h"
 

@@ -1,5 +1,6 @@
 // The driver as a program: its exit codes, its words, and that killing it leaves nothing running and nothing
 // half-written.
+#include "build_paths.h"
 #include "pipeline/fake_stages.h"
 
 #include <csignal>

@@ -1,3 +1,4 @@
+#include "build_paths.h"
 #include "report/report.h"
 
 #include "base/atomic_file.h"

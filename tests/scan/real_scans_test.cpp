@@ -1,4 +1,5 @@
 // Real scans: right conventions give millimetres, and no other convention fits better.
+#include "build_paths.h"
 #include "scan/import.h"
 
 #include <cstdlib>

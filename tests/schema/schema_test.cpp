@@ -1,4 +1,5 @@
 #include "base/atomic_file.h"
+#include "build_paths.h"
 #include "schema/samples.h"
 #include "support/expect_error.h"
 #include "support/temporary_folder.h"

@@ -1,4 +1,5 @@
 // `quoin submit` on a real Slurm: it gives what `quoin run` gives, whatever fails on the way.
+#include "build_paths.h"
 #include "slurm/local_slurm.h"
 #include "support/workshop.h"
 

@@ -1,6 +1,7 @@
 // A folder with small real stages (tests/toys), scans for them and a pipeline; and the driver run in it.
 #pragma once
 
+#include "build_paths.h"
 #include "pipeline/run_record.h"
 #include "support/command.h"
 #include "support/temporary_folder.h"

@@ -1,6 +1,7 @@
 // The whole data path on a small synthetic room, by the driver and by make.
 #include "artifact/artifact.h"
 #include "base/atomic_file.h"
+#include "build_paths.h"
 #include "pipeline/catalogue.h"
 #include "pipeline/graph.h"
 #include "pipeline/pipeline_file.h"
