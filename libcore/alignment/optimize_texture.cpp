@@ -21,8 +21,8 @@ constexpr int kMinLevelSize = 24;   // [px]; smaller images show nothing to alig
 void check(const OptimizeTextureParams& params)
 {
     if (params.min_depth >= params.max_depth)
-        throw UsageError(fmt::format("optimize-texture: min_depth ({} m) must be smaller than max_depth ({} m)",
-                                     params.min_depth, params.max_depth));
+        throw UsageError(
+            fmt::format("min_depth ({} m) must be smaller than max_depth ({} m)", params.min_depth, params.max_depth));
 }
 
 OptimizeTextureParams with_usable_levels(OptimizeTextureParams params, const Camera& camera)
@@ -83,10 +83,9 @@ AlignmentState minimize(const ProblemSource& source, AlignmentState state, const
         for (int round = 0; round < params.visibility_rounds; ++round) {
             const auto problem =
                 make_problem(source, state, level, level_spacing(params, level), TexelChoice::Selected);
-            log_debug(
-                fmt::format("optimize-texture: level {} compares {} texels in {} observations, {} depths and {} lines",
-                            level, problem.texels.size(), problem.observations.size(), problem.depths.sample.size(),
-                            problem.lines.size()));
+            log_debug(fmt::format("level {} compares {} texels in {} observations, {} depths and {} lines", level,
+                                  problem.texels.size(), problem.observations.size(), problem.depths.sample.size(),
+                                  problem.lines.size()));
             state = minimize_jointly(problem, std::move(state), on_iteration);
             progress.step();
         }
@@ -115,8 +114,8 @@ AlignmentState without_strays(const AlignmentProblem& reference, const Alignment
         ++strays;
     }
     if (strays > 0)
-        log_warning(fmt::format("optimize-texture: {} of {} keyframes could not be aligned and keep their input pose",
-                                strays, state.camera_from_world.size()));
+        log_warning(fmt::format("{} of {} keyframes could not be aligned and keep their input pose", strays,
+                                state.camera_from_world.size()));
     return state;
 }
 
@@ -137,23 +136,21 @@ void warn_of_blind_frames(const AlignmentProblem& reference)
 {
     const auto blind = std::ranges::count(reference.frame_is_free, 0);
     if (blind > 0 && reference.scene.params.optimize_poses)
-        log_warning(
-            fmt::format("optimize-texture: {} of {} keyframes see too little of the planes and keep their input pose",
-                        blind, reference.scene.frames()));
+        log_warning(fmt::format("{} of {} keyframes see too little of the planes and keep their input pose", blind,
+                                reference.scene.frames()));
 }
 
 void report(const AlignmentState& input, const AlignmentState& state, const std::vector<std::vector<double>>& rows)
 {
-    log_info(fmt::format("optimize-texture: mean colour cost {:.4f} -> {:.4f}, mean depth cost {:.4f} -> {:.4f}",
-                         rows.front()[1], rows.back()[1], rows.front()[4], rows.back()[4]));
+    log_info(fmt::format("mean colour cost {:.4f} -> {:.4f}, mean depth cost {:.4f} -> {:.4f}", rows.front()[1],
+                         rows.back()[1], rows.front()[4], rows.back()[4]));
     const Camera &was = input.color.camera, &is = state.color.camera;
     if (was.fx == is.fx) return;
     const Vector3 t = state.color.color_from_depth.inverse().translation() * 1000.0;
-    log_info(
-        fmt::format("optimize-texture: colour camera f {:.1f} -> {:.1f}, cx {:.1f} -> {:.1f}, cy {:.1f} -> {:.1f} px; "
-                    "depth_from_color ({:.1f}, {:.1f}, {:.1f}) mm, {:.2f} deg",
-                    was.fx, is.fx, was.cx, is.cx, was.cy, is.cy, t.x(), t.y(), t.z(),
-                    rotation_angle(state.color.color_from_depth.linear()) * 180.0 / std::numbers::pi));
+    log_info(fmt::format("colour camera f {:.1f} -> {:.1f}, cx {:.1f} -> {:.1f}, cy {:.1f} -> {:.1f} px; "
+                         "depth_from_color ({:.1f}, {:.1f}, {:.1f}) mm, {:.2f} deg",
+                         was.fx, is.fx, was.cx, is.cx, was.cy, is.cy, t.x(), t.y(), t.z(),
+                         rotation_angle(state.color.color_from_depth.linear()) * 180.0 / std::numbers::pi));
 }
 
 Alignment to_alignment(const AlignmentState& state, std::vector<std::vector<double>> energy)
@@ -191,7 +188,7 @@ Alignment optimize_texture(const AlignmentInput& input, const OptimizeTexturePar
     state = without_strays(reference, start, std::move(state));
     record(state);
     if (!(rows.back()[0] <= rows.front()[0])) {
-        log_warning("optimize-texture: the alignment did not lower the energy; poses and planes stay as they were");
+        log_warning("the alignment did not lower the energy; poses and planes stay as they were");
         state = start;
         record(state);
     }

@@ -251,7 +251,7 @@ ImportReport count_frames(const Scan& scan)
         if (frame.use == FrameUse::Used) ++report.used;
         if (frame.use == FrameUse::HeldOut) ++report.held_out;
         if (frame.use == FrameUse::Invalid && report.invalid++ == 0) report.invalid_example = frame.color.name;
-        if (frame.depth.name.empty()) ++report.without_depth;
+        if (frame.depth.name.empty() && report.without_depth++ == 0) report.without_depth_example = frame.color.name;
     }
     return report;
 }
@@ -327,7 +327,10 @@ void log_report(const ImportReport& report)
     if (report.invalid > 0)
         log_warning(fmt::format("{} frames have no valid pose (finite and rigid) and are not used, for example {}",
                                 report.invalid, report.invalid_example));
-    if (report.without_depth > 0) log_warning(fmt::format("{} frames have no depth image", report.without_depth));
+    if (report.without_depth > 0)
+        log_warning(fmt::format("{} frames have no depth image (where lists pair them by time: none within "
+                                "max_time_gap), for example {}",
+                                report.without_depth, report.without_depth_example));
     if (report.check.samples > 0)
         log_info(fmt::format("depth seen from another frame differs by {:.1f} mm in the median ({:.2f} % of the depth; "
                              "{} pixels of {} pairs)",

@@ -173,6 +173,7 @@ TEST(TumLayout, DepthTooFarInTimeIsNotTaken)
     folder.write("depth.txt", "1000.0 depth/0.png\n1000.058 depth/1.png\n");
     const ImportedScan imported = import_scan(folder.path(), tiny_camera_params());
     EXPECT_EQ(imported.report.without_depth, 2u);
+    EXPECT_EQ(imported.report.without_depth_example, "rgb/1.png");
     EXPECT_EQ(imported.scan.frames[1].depth.name, "");
     EXPECT_EQ(imported.scan.frames[2].depth.name, "depth/1.png");
 }
