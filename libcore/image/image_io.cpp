@@ -2,13 +2,15 @@
 
 #include "base/atomic_file.h"
 #include "base/error.h"
-#include "image/formats.h"
+#include "image/jpeg.h"
+#include "image/other_formats.h"
+#include "image/png.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -19,65 +21,57 @@ namespace {
 
 using formats::Bytes, formats::check_complete, formats::refuse;
 
-cv::Mat decode(Bytes bytes, const std::string& name, int flags)
+// Half or a quarter of the size, as libjpeg does while it decodes; other formats know nothing of the kind.
+formats::Raster reduced(formats::Raster raster, int reduction)
+{
+    if (reduction == 1) return raster;
+    formats::Raster small{raster.width / reduction, raster.height / reduction, raster.channels, raster.bits, {}};
+    small.allocate();
+    const cv::Mat from(raster.height, raster.width, CV_8UC(raster.channels), raster.bytes.data());
+    cv::Mat to(small.height, small.width, CV_8UC(small.channels), small.bytes.data());
+    cv::resize(from, to, to.size(), 0, 0, cv::INTER_LINEAR_EXACT);
+    return small;
+}
+
+formats::Raster decode(Bytes bytes, const std::string& name, const formats::Request& request)
 {
     check_complete(bytes, name);
-    cv::Mat image;
-    try {
-        const cv::Mat encoded(1, static_cast<int>(bytes.size()), CV_8U, const_cast<std::byte*>(bytes.data()));
-        image = cv::imdecode(encoded, flags);
-    } catch (const cv::Exception& error) {
-        refuse(name, "cannot decode the image (" + error.err + ")", "a JPEG, PNG, BMP, TIFF or WebP file");
-    }
-    if (image.empty()) refuse(name, "not an image that can be decoded", "a JPEG, PNG, BMP, TIFF or WebP file");
-    return image;
+    if (formats::is_png(bytes)) return reduced(formats::decode_png(bytes, name, request), request.reduction);
+    if (formats::is_jpeg(bytes))
+        if (auto raster = formats::decode_jpeg(bytes, name, request)) return *std::move(raster);
+    return reduced(formats::decode_other(bytes, name, request), request.reduction);
 }
 
-std::string kind_of(const cv::Mat& image)
+std::string kind_of(const formats::Raster& raster)
 {
-    return fmt::format("an image of {} channel(s) of {} bits", image.channels(), 8 * image.elemSize1());
-}
-
-// Any 8-bit grey, BGR or BGRA picture as RGB.
-cv::Mat as_rgb(const cv::Mat& image, const std::string& name)
-{
-    if (image.depth() != CV_8U || image.channels() == 2)
-        refuse(name, kind_of(image), "a colour image of 8 bits a channel");
-    cv::Mat rgb;
-    const int channels = image.channels();
-    cv::cvtColor(image, rgb,
-                 channels == 1   ? cv::COLOR_GRAY2RGB
-                 : channels == 3 ? cv::COLOR_BGR2RGB
-                                 : cv::COLOR_BGRA2RGB);
-    return rgb;
+    return fmt::format("an image of {} channel(s) of {} bits", raster.channels, raster.bits);
 }
 
 template <class Pixel>
-Image<Pixel> copied(const cv::Mat& mat)
+Image<Pixel> copied(const formats::Raster& raster)
 {
-    Image<Pixel> image(mat.cols, mat.rows);
-    const std::size_t row_bytes = static_cast<std::size_t>(mat.cols) * sizeof(Pixel);
-    for (int y = 0; y < mat.rows; ++y)
-        std::memcpy(image.row(y), mat.ptr(y), row_bytes);
+    Image<Pixel> image(raster.width, raster.height);
+    std::memcpy(image.pixels.data(), raster.bytes.data(), raster.bytes.size());
     return image;
 }
 
-template <class Pixel>
-cv::Mat viewed(const Image<Pixel>& image, int type)
+ColorImage as_color(const formats::Raster& raster)
 {
-    return cv::Mat(image.height, image.width, type, const_cast<Pixel*>(image.pixels.data()));
-}
-
-std::vector<std::byte> encode_png(const cv::Mat& image)
-{
-    if (image.empty()) throw ResourceError("cannot encode a PNG: the image has no pixels");
-    std::vector<std::uint8_t> encoded;
-    if (!cv::imencode(".png", image, encoded)) throw ResourceError("cannot encode a PNG");
-    const auto bytes = std::as_bytes(std::span(encoded));
-    return {bytes.begin(), bytes.end()};
+    if (raster.channels == 3) return copied<Rgb8>(raster);
+    ColorImage image(raster.width, raster.height);
+    std::ranges::transform(raster.bytes, image.pixels.begin(), [](std::uint8_t v) { return Rgb8{v, v, v}; });
+    return image;
 }
 
 } // namespace
+
+ImageInfo inspect_image(Bytes bytes, const std::string& name)
+{
+    check_complete(bytes, name);
+    if (formats::is_png(bytes)) return formats::png_info(bytes, name);
+    if (formats::is_jpeg(bytes)) return formats::jpeg_info(bytes, name);
+    return formats::inspect_other(bytes, name);
+}
 
 std::vector<std::byte> read_bytes(const fs::path& path)
 {
@@ -107,38 +101,28 @@ Image<std::uint16_t> read_gray16(const fs::path& path) { return decode_gray16(re
 
 ColorImage decode_color(Bytes bytes, const std::string& name)
 {
-    return copied<Rgb8>(as_rgb(decode(bytes, name, cv::IMREAD_UNCHANGED), name));
+    const formats::Raster raster = decode(bytes, name, {});
+    if (raster.bits != 8) refuse(name, kind_of(raster), "a colour image of 8 bits a channel");
+    return as_color(raster);
 }
 
 GrayImage decode_gray(Bytes bytes, const std::string& name, int reduction)
 {
-    const int flags = reduction == 4   ? cv::IMREAD_REDUCED_GRAYSCALE_4
-                      : reduction == 2 ? cv::IMREAD_REDUCED_GRAYSCALE_2
-                                       : cv::IMREAD_GRAYSCALE;
-    const cv::Mat gray = decode(bytes, name, flags | cv::IMREAD_IGNORE_ORIENTATION);
-    GrayImage image(gray.cols, gray.rows);
-    cv::Mat target = viewed(image, CV_32F);
-    gray.convertTo(target, CV_32F, 1.0 / 255.0);
+    const formats::Raster raster = decode(bytes, name, {true, reduction});
+    GrayImage image(raster.width, raster.height);
+    constexpr float kUnit = 1.0f / 255.0f;
+    std::ranges::transform(raster.bytes, image.pixels.begin(),
+                           [](std::uint8_t v) { return kUnit * static_cast<float>(v); });
     return image;
 }
 
 Image<std::uint16_t> decode_gray16(Bytes bytes, const std::string& name)
 {
-    const cv::Mat image = decode(bytes, name, cv::IMREAD_UNCHANGED);
-    if (image.type() != CV_16U) refuse(name, kind_of(image), "one channel of 16 bits (a depth image)");
-    return copied<std::uint16_t>(image);
+    const formats::Raster raster = decode(bytes, name, {});
+    if (raster.bits != 16 || raster.channels != 1)
+        refuse(name, kind_of(raster), "one channel of 16 bits (a depth image)");
+    return copied<std::uint16_t>(raster);
 }
-
-std::vector<std::byte> encode_png(const ColorImage& image)
-{
-    cv::Mat bgr;
-    if (!image.empty()) cv::cvtColor(viewed(image, CV_8UC3), bgr, cv::COLOR_RGB2BGR);
-    return encode_png(bgr);
-}
-
-std::vector<std::byte> encode_png(const Image<std::uint8_t>& image) { return encode_png(viewed(image, CV_8U)); }
-
-std::vector<std::byte> encode_png(const Image<std::uint16_t>& image) { return encode_png(viewed(image, CV_16U)); }
 
 void write_png(const fs::path& path, const ColorImage& image) { write_atomically(path, encode_png(image)); }
 

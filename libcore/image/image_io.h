@@ -1,4 +1,4 @@
-// Image files and encoded images (OpenImageIO and OpenCV stay in the .cpp). Errors: InputError naming the file when it
+// Image files and encoded images (the libraries stay in the .cpp files). Errors: InputError naming the file when it
 // is missing, truncated, not an image or of another kind than asked for; ResourceError when it cannot be written.
 #pragma once
 
