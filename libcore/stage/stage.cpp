@@ -7,6 +7,7 @@
 #include "base/error.h"
 #include "base/fail_point.h"
 #include "base/log.h"
+#include "base/memory.h"
 #include "base/parallel.h"
 #include "base/timer.h"
 #include "stage/command_line.h"
@@ -180,6 +181,7 @@ void keep_in_store(State& state, const std::string& port, const fs::path& finish
 void run(const Stage& stage, const std::vector<ParamSpec>& specs, const CommandLine& line, const StageBody& body)
 {
     set_log_level(line.log_level);
+    keep_freed_memory();
     set_thread_count(line.threads);
     limit_memory(line.memory);
     State state{stage, line, {}, {}, {}};
