@@ -1,5 +1,8 @@
 #include "fusion/depth_view.h"
 
+#include "fusion/padded_depth.h"
+#include "fusion/register_color.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,27 +20,6 @@ std::size_t index_of(const Camera& camera, int x, int y)
 {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(camera.width) + static_cast<std::size_t>(x);
 }
-
-constexpr int kReach = 3; // of a slope [px]: wide enough for the steps of a quantised sensor
-
-// Depth with a margin of missing pixels, so that every pixel has all its neighbours.
-class PaddedDepth {
-public:
-    PaddedDepth(int width, int height)
-        : width_(width), height_(height), stride_(static_cast<std::size_t>(width + 2 * kReach)),
-          z_(stride_ * static_cast<std::size_t>(height + 2 * kReach), 0.0f)
-    {
-    }
-    int width() const { return width_; }
-    int height() const { return height_; }
-    float* row(int y) { return z_.data() + static_cast<std::size_t>(y + kReach) * stride_ + kReach; }
-    const float* row(int y) const { return z_.data() + static_cast<std::size_t>(y + kReach) * stride_ + kReach; }
-
-private:
-    int width_, height_;
-    std::size_t stride_;
-    std::vector<float> z_; // [m]; 0 = missing
-};
 
 PaddedDepth within_range(const DepthImage& depth, const ViewParams& params)
 {
@@ -123,103 +105,6 @@ void keep_surface(const PaddedDepth& measured, const ViewParams& params, DepthVi
     }
 }
 
-// Where the depth pixels lie in the colour image; z = 0 where they are missing or outside it.
-struct ColorPixels {
-    std::vector<float> u, v; // [px]
-    std::vector<float> z;    // [m], in the colour camera
-};
-
-ColorPixels project_into_color(const Scan& scan, const PaddedDepth& depth)
-{
-    const std::size_t count = view_size(scan.depth);
-    ColorPixels pixels{std::vector<float>(count), std::vector<float>(count), std::vector<float>(count)};
-    const Rigid color_from_depth = scan.depth_from_color.inverse();
-    const Eigen::Matrix3f R = color_from_depth.linear().cast<float>();
-    const Eigen::Vector3f t = color_from_depth.translation().cast<float>();
-    const auto fx = static_cast<float>(scan.color.fx), fy = static_cast<float>(scan.color.fy);
-    const auto cx = static_cast<float>(scan.color.cx), cy = static_cast<float>(scan.color.cy);
-    const auto right = static_cast<float>(scan.color.width - 1), bottom = static_cast<float>(scan.color.height - 1);
-    const auto inverse_fx = static_cast<float>(1.0 / scan.depth.fx), depth_cx = static_cast<float>(scan.depth.cx);
-    for (int y = 0; y < depth.height(); ++y) {
-        const float* z = depth.row(y);
-        const auto ray_y = static_cast<float>((y - scan.depth.cy) / scan.depth.fy);
-        const Eigen::Vector3f base = R.col(1) * ray_y + R.col(2), step = R.col(0);
-        const std::size_t first = index_of(scan.depth, 0, y);
-        float *u_row = pixels.u.data() + first, *v_row = pixels.v.data() + first, *z_row = pixels.z.data() + first;
-        for (int x = 0; x < depth.width(); ++x) {
-            const float ray_x = (static_cast<float>(x) - depth_cx) * inverse_fx;
-            const float px = z[x] * (base.x() + ray_x * step.x()) + t.x(),
-                        py = z[x] * (base.y() + ray_x * step.y()) + t.y();
-            const float pz = z[x] * (base.z() + ray_x * step.z()) + t.z();
-            const float u = fx * px / pz + cx, v = fy * py / pz + cy;
-            const bool inside = (z[x] > 0.0f) & (pz > 0.0f) & (u >= 0.0f) & (v >= 0.0f) & (u < right) & (v < bottom);
-            u_row[x] = inside ? u : 0.0f;
-            v_row[x] = inside ? v : 0.0f;
-            z_row[x] = inside ? pz : 0.0f;
-        }
-    }
-    return pixels;
-}
-
-// Nearest depth in cells of the colour image, coarse enough that the depth pixels leave no holes in a surface.
-class NearestDepth {
-public:
-    NearestDepth(const Scan& scan, const ColorPixels& pixels)
-    {
-        constexpr double kDepthPixels = 2.0; // across a cell
-        const double cell = kDepthPixels * std::max(1.0, static_cast<double>(scan.color.width) / scan.depth.width);
-        per_pixel_ = static_cast<float>(1.0 / cell);
-        nearest_ = Image<float>(static_cast<int>(scan.color.width / cell) + 1,
-                                static_cast<int>(scan.color.height / cell) + 1, kFar);
-        for (std::size_t i = 0; i < pixels.z.size(); ++i) {
-            if (pixels.z[i] <= 0.0f) continue;
-            float& z = at(pixels.u[i], pixels.v[i]);
-            z = std::min(z, pixels.z[i]);
-        }
-    }
-    float& at(float u, float v)
-    {
-        return nearest_.at(static_cast<int>(u * per_pixel_), static_cast<int>(v * per_pixel_));
-    }
-
-private:
-    float per_pixel_ = 1.0f; // cells
-    Image<float> nearest_;
-};
-
-// Bilinear, with weights in 256ths; (u, v) is left of and above the last pixel.
-Rgb8 sample(const ColorImage& image, float u, float v)
-{
-    const auto x = static_cast<int>(u), y = static_cast<int>(v);
-    const int fx = static_cast<int>((u - static_cast<float>(x)) * 256.0f),
-              fy = static_cast<int>((v - static_cast<float>(y)) * 256.0f);
-    const Rgb8 *top = image.row(y) + x, *bottom = image.row(y + 1) + x;
-    Rgb8 color;
-    for (std::size_t c = 0; c < 3; ++c) {
-        const int above = top[0][c] * (256 - fx) + top[1][c] * fx,
-                  below = bottom[0][c] * (256 - fx) + bottom[1][c] * fx;
-        color[c] = static_cast<std::uint8_t>((above * (256 - fy) + below * fy + (1 << 15)) >> 16);
-    }
-    return color;
-}
-
-// Gives every kept depth pixel the colour that the colour camera sees at its point, unless something hides the point
-// there.
-void register_color(const Scan& scan, const PaddedDepth& measured, const ColorImage& color, const ViewParams& params,
-                    DepthView& view)
-{
-    const ColorPixels pixels = project_into_color(scan, measured);
-    NearestDepth nearest(scan, pixels);
-    const auto slack = static_cast<float>(params.occlusion), slack_ratio = static_cast<float>(params.depth_edge);
-    for (std::size_t i = 0; i < pixels.z.size(); ++i) {
-        const float u = pixels.u[i], v = pixels.v[i], z = pixels.z[i];
-        if (view.depth[i] <= 0.0f || z <= 0.0f || z > nearest.at(u, v) + slack + slack_ratio * z) continue;
-        view.surface[i].color = sample(color, u, v);
-        view.surface[i].incidence |= kHasColor;
-    }
-    view.has_color = true;
-}
-
 Image<float> tile_maxima(const DepthView& view)
 {
     const Camera& camera = view.camera;
@@ -287,6 +172,82 @@ private:
     std::vector<BlockKey> keys_;
 };
 
+// The pieces of the rays of a row of pixels that lie near the surface, in units of blocks.
+struct RaySegments {
+    explicit RaySegments(std::size_t rays)
+    {
+        for (std::size_t k = 0; k < 3; ++k) {
+            start[k].resize(rays), end[k].resize(rays);
+            start_block[k].resize(rays), end_block[k].resize(rays);
+        }
+    }
+    std::array<std::vector<float>, 3> start, end; // [axis][ray]
+    std::array<std::vector<std::int32_t>, 3> start_block, end_block;
+
+    Eigen::Vector3f start_of(std::size_t i) const { return {start[0][i], start[1][i], start[2][i]}; }
+    Eigen::Vector3f end_of(std::size_t i) const { return {end[0][i], end[1][i], end[2][i]}; }
+    BlockCoord start_block_of(std::size_t i) const { return {start_block[0][i], start_block[1][i], start_block[2][i]}; }
+    BlockCoord end_block_of(std::size_t i) const { return {end_block[0][i], end_block[1][i], end_block[2][i]}; }
+};
+
+constexpr int kStride = 2; // [px]; blocks are many pixels wide
+
+// From measured points to the segments around them.
+class RayCaster {
+public:
+    RayCaster(const DepthView& view, double block_size, double truncation)
+        : view_(view), truncation_(static_cast<float>(truncation)),
+          rays_((static_cast<std::size_t>(view.camera.width) + kStride - 1) / kStride), z_(rays_), ray_x_(rays_),
+          reach_(rays_)
+    {
+        const Rigid world_from_camera = view.camera_from_world.inverse();
+        blocks_from_camera_ = (world_from_camera.linear() / block_size).cast<float>();
+        const Eigen::Vector3d offset = Eigen::Vector3d::Constant(kLatticeOffset / kBlockSide);
+        eye_ = (world_from_camera.translation() / block_size - offset).cast<float>();
+    }
+    std::size_t rays() const { return rays_; }
+    bool measured(std::size_t i) const { return z_[i] > 0.0f; } // did the row that was cast last?
+
+    void cast(int y, RaySegments& segments)
+    {
+        const Camera& camera = view_.camera;
+        const float* depth = view_.depth.data() + index_of(camera, 0, y);
+        const auto inverse_fx = static_cast<float>(1.0 / camera.fx), cx = static_cast<float>(camera.cx);
+        const auto ray_y = static_cast<float>((y - camera.cy) / camera.fy);
+        for (std::size_t i = 0; i < rays_; ++i) {
+            z_[i] = depth[kStride * i];
+            const float ray_x = (static_cast<float>(static_cast<std::int32_t>(kStride * i)) - cx) * inverse_fx;
+            ray_x_[i] = ray_x;
+            reach_[i] = truncation_ / std::sqrt(1.0f + ray_x * ray_x + ray_y * ray_y);
+        }
+        const Eigen::Vector3f base = blocks_from_camera_.col(1) * ray_y + blocks_from_camera_.col(2);
+        for (int k = 0; k < 3; ++k)
+            cast_axis(base[k], blocks_from_camera_(k, 0), eye_[k], static_cast<std::size_t>(k), segments);
+    }
+
+private:
+    void cast_axis(float base, float step, float eye, std::size_t k, RaySegments& segments) const
+    {
+        float *start = segments.start[k].data(), *end = segments.end[k].data();
+        std::int32_t *start_block = segments.start_block[k].data(), *end_block = segments.end_block[k].data();
+        const float *z = z_.data(), *ray_x = ray_x_.data(), *reach = reach_.data();
+        for (std::size_t i = 0; i < rays_; ++i) {
+            const float direction = base + ray_x[i] * step;
+            start[i] = eye + direction * (z[i] - reach[i]);
+            end[i] = eye + direction * (z[i] + reach[i]);
+            start_block[i] = static_cast<std::int32_t>(std::floor(start[i]));
+            end_block[i] = static_cast<std::int32_t>(std::floor(end[i]));
+        }
+    }
+
+    const DepthView& view_;
+    float truncation_;
+    std::size_t rays_; // of a row
+    std::vector<float> z_, ray_x_, reach_;
+    Eigen::Matrix3f blocks_from_camera_;
+    Eigen::Vector3f eye_; // [blocks]
+};
+
 } // namespace
 
 DepthView make_view(const Scan& scan, FrameId id, const DepthImage& depth, const ColorImage& color,
@@ -306,33 +267,22 @@ DepthView make_view(const Scan& scan, FrameId id, const DepthImage& depth, const
 
 std::vector<BlockKey> blocks_near_surface(const DepthView& view, double block_size, double truncation)
 {
-    constexpr int kStride = 2; // [px]; blocks are many pixels wide
-    const Camera& camera = view.camera;
-    const Rigid world_from_camera = view.camera_from_world.inverse();
-    const Eigen::Matrix3f blocks_from_camera = (world_from_camera.linear() / block_size).cast<float>();
-    const Eigen::Vector3d offset = Eigen::Vector3d::Constant(kLatticeOffset / kBlockSide);
-    const Eigen::Vector3f eye = (world_from_camera.translation() / block_size - offset).cast<float>();
-    const auto inverse_fx = static_cast<float>(1.0 / camera.fx), cx = static_cast<float>(camera.cx);
+    RayCaster caster(view, block_size, truncation);
+    RaySegments segments(caster.rays());
     NewKeys keys;
     BlockCoord first = BlockCoord::Constant(std::numeric_limits<int>::max()), last = first;
-    for (int y = 0; y < camera.height; y += kStride) {
-        const auto ray_y = static_cast<float>((y - camera.cy) / camera.fy);
-        const Eigen::Vector3f base = blocks_from_camera.col(1) * ray_y + blocks_from_camera.col(2);
-        const float* depth = view.depth.data() + index_of(camera, 0, y);
-        for (int x = 0; x < camera.width; x += kStride) {
-            const float z = depth[x];
-            if (z <= 0.0f) continue;
-            const float ray_x = (static_cast<float>(x) - cx) * inverse_fx;
-            const float reach = static_cast<float>(truncation) / std::sqrt(1.0f + ray_x * ray_x + ray_y * ray_y);
-            const Eigen::Vector3f direction = base + ray_x * blocks_from_camera.col(0);
-            const Eigen::Vector3f start = eye + direction * (z - reach), end = eye + direction * (z + reach);
-            const BlockCoord start_block = block_of(start), end_block = block_of(end);
+    for (int y = 0; y < view.camera.height; y += kStride) {
+        caster.cast(y, segments);
+        for (std::size_t i = 0; i < caster.rays(); ++i) {
+            if (!caster.measured(i)) continue;
+            const BlockCoord start_block = segments.start_block_of(i), end_block = segments.end_block_of(i);
             const bool one_axis =
                 ((end_block - start_block).array() != 0).count() <= 1; // then the way is the same, too
             if (one_axis && start_block == first && end_block == last) continue;
             first = start_block;
             last = end_block;
-            walk(start, end, [&](const BlockCoord& block) { keys.add(block_key(block)); });
+            walk(segments.start_of(i), segments.end_of(i),
+                 [&](const BlockCoord& block) { keys.add(block_key(block)); });
         }
     }
     return keys.sorted();

@@ -14,8 +14,6 @@ constexpr std::size_t kGrain = 64;    // [blocks]
 constexpr int kSide = kBlockSide + 1; // samples of a block and the first ones of its upper neighbours
 using Voxel = Eigen::Vector3i;        // within a block; a component of 8 belongs to the next block
 
-enum class Sample : std::uint8_t { Unknown, Outside, Inside };
-
 // The crossings on the edges that start in a block, as bits: the number of a vertex is that of the set bits before its
 // own.
 struct BlockSurface {
@@ -26,10 +24,10 @@ struct BlockSurface {
     std::uint32_t first_vertex = 0, first_face = 0;
 };
 
+// Which samples of a block are known and which of those lie inside, a row along x in a word: bit x.
 struct Samples {
-    std::array<Sample, kSide * kSide * kSide> state{};
-    Sample& at(const Voxel& v) { return state[static_cast<std::size_t>(v.x() + kSide * (v.y() + kSide * v.z()))]; }
-    Sample at(const Voxel& v) const { return state[static_cast<std::size_t>(v.x() + kSide * (v.y() + kSide * v.z()))]; }
+    using Rows = std::array<std::array<std::uint32_t, kSide>, kSide>; // [z][y]
+    Rows known{}, inside{};
 };
 
 // A voxel in the block that has it.
@@ -57,15 +55,6 @@ VoxelRef voxel_at(const VoxelGrid& grid, const BlockSurface& surface, const Voxe
     return {&grid.block(id), static_cast<std::size_t>((v.x() & 7) + 8 * ((v.y() & 7) + 8 * (v.z() & 7)))};
 }
 
-template <class Visit>
-void for_voxels(int side, const Visit& visit)
-{
-    for (int z = 0; z < side; ++z)
-        for (int y = 0; y < side; ++y)
-            for (int x = 0; x < side; ++x)
-                visit(Voxel(x, y, z));
-}
-
 void find_neighbours(const VoxelGrid& grid, BlockId id, BlockSurface& surface)
 {
     for (int n = 0; n < 8; ++n)
@@ -73,44 +62,80 @@ void find_neighbours(const VoxelGrid& grid, BlockId id, BlockSurface& surface)
             grid.find(block_key(grid.coord(id) + BlockCoord(n & 1, n >> 1 & 1, n >> 2)));
 }
 
+// Bits of `count` voxels from `index` on, moved up to bit `at`.
+void sample_row(const VoxelBlock& block, std::size_t index, std::uint32_t count, std::uint32_t at, float min_weight,
+                std::uint32_t& known, std::uint32_t& inside)
+{
+    for (std::uint32_t x = 0; x < count; ++x) {
+        const float weight = block.weight[index + x];
+        const bool weighs = (weight > 0.0f) & (weight >= min_weight), is_inside = block.distance[index + x] < 0;
+        known |= static_cast<std::uint32_t>(weighs) << (at + x);
+        inside |= static_cast<std::uint32_t>(weighs & is_inside) << (at + x);
+    }
+}
+
 Samples sample(const VoxelGrid& grid, const BlockSurface& surface, float min_weight)
 {
     Samples samples;
-    for_voxels(kSide, [&](const Voxel& v) {
-        const VoxelRef voxel = voxel_at(grid, surface, v);
-        if (!voxel.block || voxel.weight() <= 0.0f || voxel.weight() < min_weight) return;
-        samples.at(v) = voxel.distance() < 0.0f ? Sample::Inside : Sample::Outside;
-    });
+    for (int z = 0; z < kSide; ++z) {
+        for (int y = 0; y < kSide; ++y) {
+            const std::size_t first = wrap_bits(Voxel(0, y, z));
+            const auto index = static_cast<std::size_t>(8 * ((y & 7) + 8 * (z & 7)));
+            auto &known = samples.known[static_cast<std::size_t>(z)][static_cast<std::size_t>(y)],
+                 &inside = samples.inside[static_cast<std::size_t>(z)][static_cast<std::size_t>(y)];
+            if (const BlockId id = surface.neighbour[first]; id != kNoBlock)
+                sample_row(grid.block(id), index, kBlockSide, 0, min_weight, known, inside);
+            if (const BlockId id = surface.neighbour[first | 1]; id != kNoBlock)
+                sample_row(grid.block(id), index, 1, kBlockSide, min_weight, known, inside);
+        }
+    }
     return samples;
 }
 
-// The set of inside corners of a cell; 0 where a corner is unknown.
-unsigned inside_corners(const Samples& samples, const Voxel& cell)
+constexpr std::uint32_t kRow = (1u << kBlockSide) - 1; // the bits of a block's own voxels
+
+// Edges whose samples are both known and on different sides: of bits (known, inside) and those of the next sample.
+std::uint32_t crossings(std::uint32_t known, std::uint32_t inside, std::uint32_t next_known, std::uint32_t next_inside)
 {
-    unsigned inside = 0;
-    for (int c = 0; c < 8; ++c) {
-        const Sample s = samples.at(cell + Voxel(c & 1, c >> 1 & 1, c >> 2));
-        if (s == Sample::Unknown) return 0;
-        inside |= s == Sample::Inside ? 1u << c : 0u;
-    }
-    return inside;
+    return known & next_known & (inside ^ next_inside) & kRow;
 }
 
-bool crosses(const Samples& samples, const Voxel& v, int axis)
+// Calls visit(x, inside corners) for the cells of a row that the surface passes: all corners are known, some inside.
+template <class Visit>
+void for_surface_cells(const Samples& samples, std::size_t y, std::size_t z, const Visit& visit)
 {
-    const Sample a = samples.at(v), b = samples.at(v + Voxel::Unit(axis));
-    return a != b && a != Sample::Unknown && b != Sample::Unknown;
+    const std::array<std::uint32_t, 4> inside{samples.inside[z][y], samples.inside[z][y + 1], samples.inside[z + 1][y],
+                                              samples.inside[z + 1][y + 1]};
+    const std::uint32_t known =
+        samples.known[z][y] & samples.known[z][y + 1] & samples.known[z + 1][y] & samples.known[z + 1][y + 1];
+    const std::uint32_t any = inside[0] | inside[1] | inside[2] | inside[3],
+                        all = inside[0] & inside[1] & inside[2] & inside[3];
+    for (std::uint32_t cells = known & known >> 1 & (any | any >> 1) & ~(all & all >> 1) & kRow; cells != 0;
+         cells &= cells - 1) {
+        const int x = std::countr_zero(cells);
+        unsigned corners = 0;
+        for (std::size_t row = 0; row < 4; ++row)
+            corners |= (inside[row] >> x & 3u) << (2 * row);
+        visit(x, corners);
+    }
 }
 
 void count_surface(const Samples& samples, BlockSurface& surface)
 {
-    for_voxels(kBlockSide, [&](const Voxel& v) {
-        for (int axis = 0; axis < 3; ++axis)
-            if (crosses(samples, v, axis))
-                surface.mask[static_cast<std::size_t>(axis)][static_cast<std::size_t>(v.z())] |= std::uint64_t{1}
-                                                                                                 << (v.x() + 8 * v.y());
-        surface.faces += static_cast<std::uint32_t>(cell_triangles()[inside_corners(samples, v)].size());
-    });
+    const auto &known = samples.known, &inside = samples.inside;
+    for (std::size_t z = 0; z < kBlockSide; ++z) {
+        for (std::size_t y = 0; y < kBlockSide; ++y) {
+            const std::uint32_t k = known[z][y], i = inside[z][y];
+            const std::array<std::uint32_t, 3> rows{crossings(k, i, k >> 1, i >> 1),
+                                                    crossings(k, i, known[z][y + 1], inside[z][y + 1]),
+                                                    crossings(k, i, known[z + 1][y], inside[z + 1][y])};
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                surface.mask[axis][z] |= std::uint64_t{rows[axis]} << (8 * y);
+            for_surface_cells(samples, y, z, [&](int, unsigned corners) {
+                surface.faces += static_cast<std::uint32_t>(cell_triangles()[corners].size());
+            });
+        }
+    }
     for (std::size_t axis = 0; axis < 3; ++axis) {
         for (std::size_t z = 0; z < kBlockSide; ++z) {
             surface.rank[axis][z] = static_cast<std::uint16_t>(surface.vertices);
@@ -175,21 +200,29 @@ void write_vertices(const VoxelGrid& grid, BlockId id, const BlockSurface& surfa
     }
 }
 
+void write_cell(const std::vector<BlockSurface>& surfaces, const BlockSurface& surface, const Voxel& cell,
+                unsigned corners, FaceId& n, TriangleMesh& mesh)
+{
+    for (const CellTriangle& triangle : cell_triangles()[corners]) {
+        Face& face = mesh.face[n++];
+        for (std::size_t k = 0; k < 3; ++k) {
+            const auto [corner, axis] = cell_edges()[triangle[k]];
+            const Voxel v = cell + Voxel(corner & 1, corner >> 1 & 1, corner >> 2);
+            const BlockSurface& owner = surfaces[surface.neighbour[wrap_bits(v)]];
+            face[k] = vertex_on(owner, Voxel(v.x() & 7, v.y() & 7, v.z() & 7), axis);
+        }
+    }
+}
+
 void write_faces(const std::vector<BlockSurface>& surfaces, const BlockSurface& surface, const Samples& samples,
                  TriangleMesh& mesh)
 {
     FaceId n = surface.first_face;
-    for_voxels(kBlockSide, [&](const Voxel& cell) {
-        for (const CellTriangle& triangle : cell_triangles()[inside_corners(samples, cell)]) {
-            Face& face = mesh.face[n++];
-            for (std::size_t k = 0; k < 3; ++k) {
-                const auto [corner, axis] = cell_edges()[triangle[k]];
-                const Voxel v = cell + Voxel(corner & 1, corner >> 1 & 1, corner >> 2);
-                const BlockSurface& owner = surfaces[surface.neighbour[wrap_bits(v)]];
-                face[k] = vertex_on(owner, Voxel(v.x() & 7, v.y() & 7, v.z() & 7), axis);
-            }
-        }
-    });
+    for (int z = 0; z < kBlockSide; ++z)
+        for (int y = 0; y < kBlockSide; ++y)
+            for_surface_cells(
+                samples, static_cast<std::size_t>(y), static_cast<std::size_t>(z),
+                [&](int x, unsigned corners) { write_cell(surfaces, surface, Voxel(x, y, z), corners, n, mesh); });
 }
 
 // Spreads colours along faces until every vertex that is connected to a coloured one has one; grey for the rest.
