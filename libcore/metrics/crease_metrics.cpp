@@ -3,6 +3,7 @@
 #include "metrics/surface.h"
 #include "metrics/truth_metrics.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -94,6 +95,64 @@ double share_near(const std::vector<CreasePoint>& points, const NearestItem& tre
     return matched / all;
 }
 
+// Crease points of the model whose nearest true crease is this one.
+struct Followers {
+    std::vector<Vector3d> position; // [m]
+    std::vector<double> length;     // [m]
+};
+
+// Sum over the points of length times squared distance to the straight line that fits them best [m^3].
+double squared_bend(const Followers& points)
+{
+    double length = 0.0;
+    Vector3d mean = Vector3d::Zero();
+    for (std::size_t i = 0; i < points.length.size(); ++i) {
+        length += points.length[i];
+        mean += points.length[i] * points.position[i];
+    }
+    if (!(length > 0.0)) return 0.0;
+    mean /= length;
+    Eigen::Matrix3d scatter = Eigen::Matrix3d::Zero();
+    for (std::size_t i = 0; i < points.length.size(); ++i) {
+        const Vector3d d = points.position[i] - mean;
+        scatter += points.length[i] * d * d.transpose();
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(scatter, Eigen::EigenvaluesOnly);
+    return std::max(0.0, axes.eigenvalues()[0]) + std::max(0.0, axes.eigenvalues()[1]);
+}
+
+// Half of the length is nearer than this.
+double median_by_length(std::vector<std::pair<double, double>> distance_and_length, double length)
+{
+    std::sort(distance_and_length.begin(), distance_and_length.end());
+    double below = 0.0;
+    for (const auto& [distance, part] : distance_and_length)
+        if ((below += part) >= 0.5 * length) return distance;
+    return 0.0;
+}
+
+// How far the model's creases run from the asked true crease that is nearest, and how far from straight along it.
+void add_course_metrics(MetricList& list, const std::vector<CreasePoint>& model, const std::vector<CreaseLine>& real,
+                        const NearestItem& real_tree, double reach)
+{
+    std::vector<Followers> followers(real.size());
+    std::vector<std::pair<double, double>> distance_and_length;
+    double length = 0.0, squares = 0.0, bend = 0.0;
+    share_near(model, real_tree, reach, [&](const CreasePoint& p, const NearestPoint& near) {
+        if (!real[near.item].asked) return;
+        followers[near.item].position.push_back(p.position);
+        followers[near.item].length.push_back(p.length);
+        distance_and_length.emplace_back(near.distance, p.length);
+        length += p.length;
+        squares += p.length * near.distance * near.distance;
+    });
+    for (const Followers& points : followers)
+        bend += squared_bend(points);
+    list.lower("creases.model_distance.median", "mm", median_by_length(distance_and_length, length) * kMillimetres);
+    list.lower("creases.model_distance.rms", "mm", std::sqrt(squares / length) * kMillimetres);
+    list.lower("creases.straightness.rms", "mm", std::sqrt(bend / length) * kMillimetres);
+}
+
 } // namespace
 
 void add_crease_metrics(MetricList& list, const PlaneMesh& model, const GroundTruth& truth,
@@ -111,8 +170,9 @@ void add_crease_metrics(MetricList& list, const PlaneMesh& model, const GroundTr
                                          distance.push_back(near.distance);
                                      });
     std::vector<double> ends;
-    const double precision = share_near(points_along(found, params.crease_step), real_tree, params.crease_tolerance,
-                                        [](const CreasePoint&, const NearestPoint&) {});
+    const std::vector<CreasePoint> model_points = points_along(found, params.crease_step);
+    const double precision =
+        share_near(model_points, real_tree, params.crease_tolerance, [](const CreasePoint&, const NearestPoint&) {});
     for (const CreaseLine& c : found)
         for (const Vector3d& end : c.ends)
             if (const auto near = real_tree.find(end, params.match_distance)) ends.push_back(near->distance);
@@ -123,6 +183,7 @@ void add_crease_metrics(MetricList& list, const PlaneMesh& model, const GroundTr
     list.lower("creases.distance.median", "mm", median(distance) * kMillimetres);
     list.lower("creases.dihedral.median", "deg", median(turn) * kDegrees);
     list.lower("creases.vertex_distance.median", "mm", median(ends) * kMillimetres);
+    add_course_metrics(list, model_points, real, real_tree, params.match_distance);
 }
 
 } // namespace quoin

@@ -91,6 +91,8 @@ TEST(Evaluate, OfTheTruthItselfIsPerfect)
     EXPECT_NEAR(value_of(m, "creases.recall"), 1.0, 1e-9);
     EXPECT_NEAR(value_of(m, "creases.precision"), 1.0, 1e-9);
     EXPECT_NEAR(value_of(m, "creases.dihedral.median"), 0.0, 1e-9);
+    EXPECT_NEAR(value_of(m, "creases.model_distance.rms"), 0.0, 1e-4);
+    EXPECT_NEAR(value_of(m, "creases.straightness.rms"), 0.0, 1e-4);
     EXPECT_EQ(value_of(m, "hygiene.non_manifold_edges"), 0.0);
 }
 
@@ -146,6 +148,43 @@ TEST(Evaluate, MissesACreaseThatTheModelRounds)
     const Metrics m = evaluate(inputs, params);
     EXPECT_NEAR(value_of(m, "creases.recall"), 2.0 / 3.0, 0.01);
     EXPECT_NEAR(value_of(m, "creases.precision"), 1.0, 1e-9);
+}
+
+Metrics of_corner(const PlaneMesh& model)
+{
+    const GroundTruth truth = corner_truth();
+    EvaluateParams params = quick();
+    params.align = false;
+    Evaluated inputs;
+    inputs.planes = &model;
+    inputs.truth = &truth;
+    return evaluate(inputs, params);
+}
+
+TEST(Evaluate, FindsCreasesThatAreShiftedStraightButElsewhere)
+{
+    PlaneMesh model = corner_model(4);
+    for (auto& p : model.mesh.position)
+        p.x() += 0.002f; // two of the three creases run along other axes
+    const Metrics m = of_corner(model);
+    EXPECT_NEAR(value_of(m, "creases.model_distance.median"), 2.0, 1e-3);
+    EXPECT_NEAR(value_of(m, "creases.model_distance.rms"), 2.0 * std::sqrt(2.0 / 3.0), 1e-3);
+    EXPECT_NEAR(value_of(m, "creases.straightness.rms"), 0.0, 1e-3);
+}
+
+TEST(Evaluate, FindsCreasesThatZigzagAsFarFromStraightAsTheyAreBent)
+{
+    const auto of_zigzag = [](float size) {
+        PlaneMesh model = corner_model(4);
+        for (auto& p : model.mesh.position) // the inner vertices of the crease along y: to one side and to the other
+            if (p.x() == 0.0f && p.z() == 0.0f && p.y() > 0.1f && p.y() < 0.9f) p.x() += p.y() == 0.5f ? -size : size;
+        return of_corner(model);
+    };
+    const Metrics small = of_zigzag(0.001f), large = of_zigzag(0.002f);
+    const double bend = value_of(small, "creases.straightness.rms");
+    EXPECT_GT(bend, 0.2);
+    EXPECT_LE(bend, value_of(small, "creases.model_distance.rms") + 1e-6);
+    EXPECT_NEAR(value_of(large, "creases.straightness.rms"), 2.0 * bend, 0.01 * bend);
 }
 
 TEST(Evaluate, ComparesWithTheDenseMeshWhereThereIsNoTruth)
