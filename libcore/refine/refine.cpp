@@ -293,8 +293,10 @@ PlaneMesh optimize_geometry(const PlaneMesh& mesh, const std::vector<Plane>& pla
     const Points x = GeometryOptimizer(result, params).run();
     for (VertexId v = 0; v < result.mesh.position.size(); ++v)
         result.mesh.position[v] = x.row(v).transpose().cast<float>();
-    const auto held = hold_back_flips(result, mesh.mesh.position, std::cos(radians(params.max_deviation)));
-    log_info(fmt::format("{} of {} vertices were held back so that no face turns over", held, x.rows()));
+    const auto held =
+        hold_back_flips(result, mesh.mesh.position, {.min_cosine = std::cos(radians(params.max_deviation))});
+    log_info(fmt::format("{} of {} vertices were held back so that no face turns over, folds or shrinks to a line",
+                         held, x.rows()));
     return result;
 }
 

@@ -101,7 +101,7 @@ void snap_to_planes(PlaneMesh& mesh, const SimplifyParams& params)
         before.size(),
         [&](std::size_t v) { snap(mesh, static_cast<VertexId>(v), planes_at.of(static_cast<VertexId>(v)), params); },
         kGrain);
-    hold_back_flips(mesh, before, std::cos(radians(params.max_deviation)));
+    hold_back_flips(mesh, before, {.min_cosine = std::cos(radians(params.max_deviation))});
 }
 
 void snap_curves(const Curves& curves, PlaneMesh& part, const SimplifyParams& params)
@@ -116,7 +116,7 @@ void snap_curves(const Curves& curves, PlaneMesh& part, const SimplifyParams& pa
             planes.push_back(uses[end].plane);
         snap(part, uses[begin].vertex, planes, params);
     }
-    if (!part.mesh.face.empty()) hold_back_flips(part, before, std::cos(radians(params.max_deviation)));
+    if (!part.mesh.face.empty()) hold_back_flips(part, before, {.min_cosine = std::cos(radians(params.max_deviation))});
 }
 
 } // namespace quoin
