@@ -6,6 +6,7 @@
 #include "simplify/contract.h"
 #include "simplify/remesh.h"
 #include "simplify/snap.h"
+#include "simplify/unfold.h"
 
 #include <fmt/format.h>
 
@@ -63,7 +64,9 @@ PlaneMesh simplify(const PlaneMesh& mesh, const SimplifyParams& params)
     if (params.snap_distance > 0.0) trim_ears(result, params);
     result.vertex_class = classify_vertices(result.mesh, result.face_plane);
     result = within_budget(result, params);
-    finish(result);
+    finish(result, params);
+    unfold(result, params);
+    finish(result, params);
     log_info(fmt::format("{} faces in {} planes are left of {}", result.mesh.face.size(), result.plane.size(),
                          mesh.mesh.face.size()));
     return result;

@@ -20,6 +20,7 @@ struct SimplifyParams {
     double max_open_error = 0.02;
     double max_inner_error = 0.01;
     double max_border_shift = 0.02;
+    double max_fold_error = 0.02;
     int face_budget = 0;
     double snap_distance = 0.02;
     double crease_angle = 10.0;
@@ -53,6 +54,11 @@ struct SimplifyParams {
                   "how far a border between planes may move inside them; straightens borders between nearly coplanar "
                   "planes",
                   0.0, 10.0},
+            Param{
+                "max_fold_error", &P::max_fold_error, "m",
+                "how far the surface may move where faces that are folded onto each other, look away from their plane "
+                "or have no area are taken out in the end; 0 = they stay",
+                0.0, 10.0},
             Param{"face_budget", &P::face_budget, "",
                   "most faces of the result: errors double until they fit; 0 = no budget", 0.0, 1e9},
             Param{"snap_distance", &P::snap_distance, "m",
@@ -86,11 +92,12 @@ struct SimplifyParams {
 };
 
 // Keeps the moments of all planes that keep faces; planes without faces are dropped and the ids of the others move up
-// in order. Colours follow the vertices that stay, normals are dropped, classes are found anew. The result is manifold:
-// vertices on edges of three or more faces, and where fans touch in a point, are split. It has no duplicate face, and
-// no face is turned over against its plane that was not before. Contractions inside a plane fold no face onto a
-// neighbour in it; across a border, where planes are simplified apart, a few rough faces may come to lie folded. Faces
-// with vertices that are not finite are dropped. Throws ImpossibleError if no face is left.
+// in order; parts of a plane that no longer hang together go over to a plane beside them or become planes of their own,
+// behind the others. Colours follow the vertices that stay, normals are dropped, classes are found anew. The result is
+// manifold: vertices on edges of three or more faces, and where fans touch in a point, are split. It has no duplicate
+// face. Faces that are folded onto each other, look away from their plane or have no area are taken out in the end
+// where max_fold_error allows it; the rims of thin sheets stay folded. Faces with vertices that are not finite are
+// dropped. Throws ImpossibleError if no face is left.
 PlaneMesh simplify(const PlaneMesh& mesh, const SimplifyParams& params);
 
 } // namespace quoin

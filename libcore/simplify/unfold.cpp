@@ -1,0 +1,356 @@
+#include "simplify/unfold.h"
+
+#include "base/log.h"
+#include "simplify/collapse_mesh.h"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+#include <optional>
+#include <tuple>
+
+namespace quoin {
+namespace {
+
+constexpr double kFoldedCosine = -0.5; // between faces on one edge
+constexpr double kZeroHeight = 1e-6;   // [m]
+// How bad a face without area and one that looks away are, in folded edges: the rim of a sheet may be one in the end.
+constexpr int kZeroWeight = 4, kFlippedWeight = 2;
+constexpr int kMaxPasses = 8; // few defects are left after two or three
+
+using Triangle = std::array<Eigen::Vector3d, 3>;
+
+// A face of a neighbourhood, as it is or as it would be.
+struct Piece {
+    Face vertex{};
+    Triangle corner;
+    PlaneId plane = 0;
+};
+using Pieces = std::vector<Piece>;
+
+Eigen::Vector3d middle(const Triangle& t) { return (t[0] + t[1] + t[2]) / 3.0; }
+
+double squared_distance_to_segment(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b)
+{
+    const Eigen::Vector3d ab = b - a;
+    const double length = ab.squaredNorm();
+    const double t = length > 0.0 ? std::clamp((p - a).dot(ab) / length, 0.0, 1.0) : 0.0;
+    return (p - a - t * ab).squaredNorm();
+}
+
+double squared_distance(const Eigen::Vector3d& p, const Triangle& t)
+{
+    const Eigen::Vector3d n = (t[1] - t[0]).cross(t[2] - t[0]);
+    double least = std::numeric_limits<double>::infinity();
+    bool above = n.squaredNorm() > 0.0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const Eigen::Vector3d &a = t[k], &b = t[(k + 1) % 3];
+        above = above && n.dot((b - a).cross(p - a)) >= 0.0;
+        least = std::min(least, squared_distance_to_segment(p, a, b));
+    }
+    return above ? std::pow(n.dot(p - t[0]), 2) / n.squaredNorm() : least;
+}
+
+double distance(const Eigen::Vector3d& p, const Pieces& pieces)
+{
+    double least = std::numeric_limits<double>::infinity();
+    for (const Piece& piece : pieces)
+        least = std::min(least, squared_distance(p, piece.corner));
+    return std::sqrt(least);
+}
+
+// Corners and middles of `from` are that far from `to` at most.
+double farthest(const Pieces& from, const Pieces& to)
+{
+    double most = 0.0;
+    for (const Piece& piece : from) {
+        most = std::max(most, distance(middle(piece.corner), to));
+        for (const auto& corner : piece.corner)
+            most = std::max(most, distance(corner, to));
+    }
+    return most;
+}
+
+bool shares_edge(const Face& a, const Face& b)
+{
+    int shared = 0;
+    for (const VertexId v : a)
+        shared += static_cast<int>(std::count(b.begin(), b.end(), v));
+    return shared == 2;
+}
+
+// Defects of the first `inner` pieces and of their edges, weighted.
+int defects(const Pieces& pieces, std::size_t inner, const std::vector<Plane>& planes)
+{
+    std::vector<Eigen::Vector3d> normal;
+    int count = 0;
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+        const Triangle& t = pieces[i].corner;
+        const TriangleShape shape = triangle_shape(t[0], t[1], t[2]);
+        normal.push_back(shape.normal);
+        const double longest = std::max({(t[1] - t[0]).norm(), (t[2] - t[1]).norm(), (t[0] - t[2]).norm()});
+        if (i >= inner) continue;
+        if (shape.shape * longest <= kZeroHeight) count += kZeroWeight;
+        if (shape.normal.dot(planes[pieces[i].plane].normal) < 0.0) count += kFlippedWeight;
+    }
+    for (std::size_t i = 0; i < inner; ++i)
+        for (std::size_t j = i + 1; j < pieces.size(); ++j)
+            if (normal[i].dot(normal[j]) < kFoldedCosine && shares_edge(pieces[i].vertex, pieces[j].vertex)) ++count;
+    return count;
+}
+
+// One way to change the mesh, and what is gained.
+struct Change {
+    enum class Kind { Contraction, Flip, OtherPlane };
+    Kind kind = Kind::Contraction;
+    VertexId kept = 0, gone = 0;   // of a contraction; the ends of the edge that is flipped
+    std::array<FaceId, 2> faces{}; // of the edge that is flipped; the first goes over to another plane
+    PlaneId plane = 0;             // that it goes over to
+    Eigen::Vector3d target = Eigen::Vector3d::Zero();
+    int defects = 0; // fewer than now, counted as a negative number
+    double error = 0.0;
+
+    bool better_than(const Change& other) const
+    {
+        return std::tie(defects, error) < std::tie(other.defects, other.error);
+    }
+};
+
+class Unfolder {
+public:
+    Unfolder(const PlaneMesh& mesh, const SimplifyParams& params)
+        : planes_(mesh), params_(params), mesh_(positions(mesh.mesh), mesh.mesh.face)
+    {
+    }
+
+    std::size_t run()
+    {
+        std::size_t changes = 0;
+        for (int pass = 0; pass < kMaxPasses; ++pass) {
+            const std::size_t before = changes;
+            for (FaceId f = 0; f < mesh_.face_count(); ++f)
+                while (mesh_.alive(f) && is_defective(f) && improve(f))
+                    ++changes;
+            if (changes == before) break;
+        }
+        return changes;
+    }
+
+    void write(PlaneMesh& out) const;
+
+private:
+    static std::vector<Eigen::Vector3d> positions(const TriangleMesh& mesh)
+    {
+        std::vector<Eigen::Vector3d> p(mesh.position.size());
+        for (std::size_t v = 0; v < p.size(); ++v)
+            p[v] = mesh.position[v].cast<double>();
+        return p;
+    }
+    Piece piece(FaceId f) const
+    {
+        const Face& t = mesh_.face(f);
+        return {t, {mesh_.position(t[0]), mesh_.position(t[1]), mesh_.position(t[2])}, planes_.face_plane[f]};
+    }
+    std::vector<FaceId> around(std::initializer_list<VertexId> vertices) const;
+    std::vector<FaceId> beside(const std::vector<FaceId>& inner) const;
+    Pieces pieces(const std::vector<FaceId>& faces) const;
+    bool is_defective(FaceId f) const;
+    bool improve(FaceId f);
+    void try_contraction(VertexId kept, VertexId gone, std::optional<Change>& best);
+    void try_flip(FaceId f, VertexId a, VertexId b, std::optional<Change>& best) const;
+    void try_other_planes(FaceId f, std::optional<Change>& best) const;
+    void apply(const Change& change);
+    void consider(Change change, const std::vector<FaceId>& inner, const Pieces& after,
+                  std::optional<Change>& best) const;
+    bool keeps_planes(VertexId u, VertexId v) const;
+    bool on_border(VertexId u, VertexId v) const;
+
+    PlaneMesh planes_; // its faces are as they were
+    const SimplifyParams& params_;
+    CollapseMesh mesh_;
+};
+
+// Faces of the given vertices, each once.
+std::vector<FaceId> Unfolder::around(std::initializer_list<VertexId> vertices) const
+{
+    std::vector<FaceId> faces;
+    for (const VertexId v : vertices)
+        mesh_.for_each_face(v, [&](FaceId f) { faces.push_back(f); });
+    std::sort(faces.begin(), faces.end());
+    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+    return faces;
+}
+
+// Faces that share an edge with these and are none of them.
+std::vector<FaceId> Unfolder::beside(const std::vector<FaceId>& inner) const
+{
+    std::vector<FaceId> outer;
+    for (const FaceId f : inner)
+        for (const VertexId v : mesh_.face(f))
+            mesh_.for_each_face(v, [&](FaceId g) {
+                if (shares_edge(mesh_.face(f), mesh_.face(g)) && !std::binary_search(inner.begin(), inner.end(), g))
+                    outer.push_back(g);
+            });
+    std::sort(outer.begin(), outer.end());
+    outer.erase(std::unique(outer.begin(), outer.end()), outer.end());
+    return outer;
+}
+
+Pieces Unfolder::pieces(const std::vector<FaceId>& faces) const
+{
+    Pieces result;
+    for (const FaceId f : faces)
+        result.push_back(piece(f));
+    return result;
+}
+
+bool Unfolder::is_defective(FaceId f) const
+{
+    Pieces all{piece(f)};
+    for (const FaceId g : beside({f}))
+        all.push_back(piece(g));
+    return defects(all, 1, planes_.plane) > 0;
+}
+
+// Applies the change of the face's or its neighbours' edges that gains most. Is there one?
+bool Unfolder::improve(FaceId f)
+{
+    std::vector<FaceId> candidates = beside({f});
+    candidates.push_back(f);
+    std::optional<Change> best;
+    for (const FaceId g : candidates) {
+        const Face face = mesh_.face(g);
+        for (std::size_t k = 0; k < 3; ++k) {
+            try_contraction(face[k], face[(k + 1) % 3], best);
+            try_contraction(face[(k + 1) % 3], face[k], best);
+            try_flip(g, face[k], face[(k + 1) % 3], best);
+        }
+    }
+    try_other_planes(f, best);
+    if (best) apply(*best);
+    return best.has_value();
+}
+
+void Unfolder::apply(const Change& change)
+{
+    switch (change.kind) {
+    case Change::Kind::Contraction:
+        mesh_.move(change.kept, change.target);
+        return mesh_.contract(change.kept, change.gone);
+    case Change::Kind::Flip:
+        return mesh_.flip(change.faces[0], change.faces[1], change.kept, change.gone);
+    case Change::Kind::OtherPlane:
+        planes_.face_plane[change.faces[0]] = change.plane;
+    }
+}
+
+void Unfolder::try_contraction(VertexId kept, VertexId gone, std::optional<Change>& best)
+{
+    if (!mesh_.link_condition(kept, gone) || !keeps_planes(kept, gone)) return;
+    const auto inner = around({kept, gone});
+    for (const Eigen::Vector3d& target :
+         {mesh_.position(kept), Eigen::Vector3d(0.5 * (mesh_.position(kept) + mesh_.position(gone)))}) {
+        Pieces after;
+        for (const FaceId f : inner) {
+            if (mesh_.contains(f, kept) && mesh_.contains(f, gone)) continue;
+            after.push_back(piece(f));
+            for (std::size_t k = 0; k < 3; ++k)
+                if (VertexId& v = after.back().vertex[k]; v == kept || v == gone) {
+                    v = kept;
+                    after.back().corner[k] = target;
+                }
+        }
+        consider({.kept = kept, .gone = gone, .target = target}, inner, after, best);
+    }
+}
+
+void Unfolder::try_flip(FaceId f, VertexId a, VertexId b, std::optional<Change>& best) const
+{
+    std::array<FaceId, 2> faces{};
+    if (mesh_.faces_on_edge(a, b, faces) != 2) return;
+    const FaceId g = faces[0] == f ? faces[1] : faces[0];
+    const VertexId c = mesh_.third_vertex(f, a, b), d = mesh_.third_vertex(g, a, b);
+    if (planes_.face_plane[f] != planes_.face_plane[g] || c == d || mesh_.adjacent(c, d)) return;
+    const auto at = [&](VertexId v) { return mesh_.position(v); };
+    const PlaneId plane = planes_.face_plane[f];
+    const Pieces after{{{c, d, b}, {at(c), at(d), at(b)}, plane}, {{d, c, a}, {at(d), at(c), at(a)}, plane}};
+    consider({.kind = Change::Kind::Flip, .kept = a, .gone = b, .faces = {f, g}}, {std::min(f, g), std::max(f, g)},
+             after, best);
+}
+
+// A face with a single neighbour in its own plane leaves that in one piece.
+void Unfolder::try_other_planes(FaceId f, std::optional<Change>& best) const
+{
+    const PlaneId plane = planes_.face_plane[f];
+    const auto neighbours = beside({f});
+    if (std::count_if(neighbours.begin(), neighbours.end(), [&](FaceId g) { return planes_.face_plane[g] == plane; }) !=
+        1)
+        return;
+    for (const FaceId g : neighbours) {
+        if (planes_.face_plane[g] == plane) continue;
+        Pieces after{piece(f)};
+        after[0].plane = planes_.face_plane[g];
+        consider({.kind = Change::Kind::OtherPlane, .faces = {f, g}, .plane = planes_.face_plane[g]}, {f}, after, best);
+    }
+}
+
+void Unfolder::consider(Change change, const std::vector<FaceId>& inner, const Pieces& after,
+                        std::optional<Change>& best) const
+{
+    const Pieces outer = pieces(beside(inner));
+    const auto with_outer = [&](Pieces list) {
+        list.insert(list.end(), outer.begin(), outer.end());
+        return list;
+    };
+    const Pieces before = pieces(inner);
+    change.defects = defects(with_outer(after), after.size(), planes_.plane) -
+                     defects(with_outer(before), before.size(), planes_.plane);
+    if (change.defects >= 0 || after.empty()) return;
+    change.error = std::max(farthest(before, with_outer(after)), farthest(after, before));
+    if (change.error <= params_.max_fold_error && (!best || change.better_than(*best))) best = change;
+}
+
+// A face that dies between two other borders would be the last of its plane, or the bridge between two parts of it.
+bool Unfolder::keeps_planes(VertexId u, VertexId v) const
+{
+    std::array<FaceId, 2> faces{};
+    const int count = mesh_.faces_on_edge(u, v, faces);
+    for (int i = 0; i < count; ++i) {
+        const VertexId w = mesh_.third_vertex(faces[static_cast<std::size_t>(i)], u, v);
+        if (on_border(u, w) && on_border(v, w)) return false;
+    }
+    return true;
+}
+
+bool Unfolder::on_border(VertexId u, VertexId v) const
+{
+    std::array<FaceId, 2> faces{};
+    return mesh_.faces_on_edge(u, v, faces) != 2 || planes_.face_plane[faces[0]] != planes_.face_plane[faces[1]];
+}
+
+void Unfolder::write(PlaneMesh& out) const
+{
+    out.mesh.face.clear();
+    out.face_plane.clear();
+    for (FaceId f = 0; f < mesh_.face_count(); ++f) {
+        if (!mesh_.alive(f)) continue;
+        out.mesh.face.push_back(mesh_.face(f));
+        out.face_plane.push_back(planes_.face_plane[f]);
+    }
+    for (VertexId v = 0; v < mesh_.vertex_count(); ++v)
+        out.mesh.position[v] = mesh_.position(v).cast<float>();
+}
+
+} // namespace
+
+void unfold(PlaneMesh& mesh, const SimplifyParams& params)
+{
+    if (params.max_fold_error <= 0.0) return;
+    const PlaneMesh before = mesh;
+    Unfolder unfolder(before, params);
+    const std::size_t changes = unfolder.run();
+    unfolder.write(mesh);
+    log_info(fmt::format("{} edges were contracted or flipped to take folds out", changes));
+}
+
+} // namespace quoin

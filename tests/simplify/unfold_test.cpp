@@ -1,0 +1,98 @@
+#include "simplify/unfold.h"
+
+#include "mesh/hygiene.h"
+#include "support/plane_meshes.h"
+
+#include <gtest/gtest.h>
+#include <random>
+
+namespace quoin {
+namespace {
+
+using namespace testing_support;
+
+std::size_t manifold_defects(const Hygiene& found)
+{
+    return found.non_manifold_edges + found.duplicate_faces + found.bow_tie_vertices + found.inconsistent_edges;
+}
+
+// A flat front, a back that is a tent below it, and a tab of both beyond their common rim, 1.5 cm long, whose two sides
+// lie on each other.
+PlaneMesh sheet_with_tab()
+{
+    PlaneMesh mesh;
+    mesh.mesh.position = {{0, 0, 0}, {1, 0, 0},    {1, 0.49f, 0},     {1, 0.51f, 0},      {1, 1, 0},
+                          {0, 1, 0}, {1, 0.5f, 0}, {1.015f, 0.5f, 0}, {0.4f, 0.5f, -0.3f}};
+    constexpr VertexId middle = 6, tip = 7, top = 8;
+    mesh.mesh.face = {{0, 1, 2}, {0, 2, 3}, {0, 3, 5}, {3, 4, 5}, {2, tip, 3}};
+    mesh.face_plane.assign(mesh.mesh.face.size(), 0);
+    for (const auto& [a, b] : {std::pair{1u, 0u}, {2u, 1u}, {middle, 2u}, {3u, middle}, {4u, 3u}, {5u, 4u}, {0u, 5u}})
+        mesh.mesh.face.push_back({a, b, top});
+    mesh.mesh.face.push_back({tip, 2, middle});
+    mesh.mesh.face.push_back({3, tip, middle});
+    mesh.face_plane.resize(mesh.mesh.face.size(), 1);
+    mesh.plane = {{Eigen::Vector3d::UnitZ(), 0.0}, {-Eigen::Vector3d::UnitZ(), 0.0}};
+    mesh.moments.resize(2);
+    mesh.vertex_class = classify_vertices(mesh.mesh, mesh.face_plane);
+    return mesh;
+}
+
+TEST(Unfold, TakesATabAwayWhoseSidesLieOnEachOther)
+{
+    PlaneMesh mesh = sheet_with_tab();
+    const Hygiene before = inspect(mesh);
+    ASSERT_EQ(manifold_defects(before), 0u);
+    ASSERT_EQ(before.euler_characteristic, 2);
+    unfold(mesh, {});
+    const Hygiene after = inspect(mesh);
+    EXPECT_EQ(manifold_defects(after) + after.zero_area_faces + after.flipped_faces, 0u);
+    EXPECT_EQ(after.euler_characteristic, 2);
+    EXPECT_LT(after.folded_pairs, before.folded_pairs);
+    EXPECT_LT(after.faces, before.faces);
+}
+
+TEST(Unfold, LeavesASheetThatIsLargerThanTheError)
+{
+    PlaneMesh mesh = sheet_with_tab();
+    unfold(mesh, {.max_fold_error = 0.001});
+    EXPECT_EQ(mesh.mesh.face, sheet_with_tab().mesh.face);
+    unfold(mesh, {.max_fold_error = 0.0});
+    EXPECT_EQ(mesh.mesh.face, sheet_with_tab().mesh.face);
+}
+
+TEST(Unfold, LeavesAMeshWithoutDefectsAsItIs)
+{
+    PlaneMesh mesh = box({1, 1, 1}, 4);
+    const auto before = mesh;
+    unfold(mesh, {});
+    EXPECT_EQ(mesh.mesh.face, before.mesh.face);
+    EXPECT_TRUE(mesh.mesh.position == before.mesh.position);
+}
+
+// A vertex pulled over its neighbour turns faces over inside a plane.
+TEST(Unfold, TurnsFacesBackThatLookAway)
+{
+    PlaneMesh mesh = join_sheets({{{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}, 10}});
+    mesh.mesh.position[5 * 11 + 5].x() += 0.015f;
+    ASSERT_GT(inspect(mesh).flipped_faces, 0u);
+    unfold(mesh, {});
+    const Hygiene after = inspect(mesh);
+    EXPECT_EQ(after.flipped_faces + after.folded_pairs + after.zero_area_faces + manifold_defects(after), 0u);
+}
+
+TEST(Unfold, NeverWorsensAMeshOfRandomNoise)
+{
+    for (unsigned seed = 0; seed < 4; ++seed) {
+        PlaneMesh mesh = with_noise(box({0.3, 0.3, 0.3}, 10), 0.015f, seed);
+        const Hygiene before = inspect(mesh);
+        unfold(mesh, {});
+        const Hygiene after = inspect(mesh);
+        EXPECT_EQ(manifold_defects(after), 0u) << seed;
+        EXPECT_EQ(after.euler_characteristic, 2) << seed;
+        EXPECT_EQ(after.disconnected_planes + after.empty_planes, 0u) << seed;
+        EXPECT_LE(after.folded_pairs + 2 * after.flipped_faces, before.folded_pairs + 2 * before.flipped_faces) << seed;
+    }
+}
+
+} // namespace
+} // namespace quoin
