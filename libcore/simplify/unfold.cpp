@@ -164,6 +164,7 @@ private:
                   std::optional<Change>& best) const;
     bool keeps_planes(VertexId u, VertexId v) const;
     bool on_border(VertexId u, VertexId v) const;
+    bool open(VertexId v) const;
 
     PlaneMesh planes_; // its faces are as they were
     const SimplifyParams& params_;
@@ -246,7 +247,9 @@ void Unfolder::apply(const Change& change)
 
 void Unfolder::try_contraction(VertexId kept, VertexId gone, std::optional<Change>& best)
 {
-    if (!mesh_.link_condition(kept, gone) || !keeps_planes(kept, gone)) return;
+    std::array<FaceId, 2> faces{};
+    const bool pinches = open(kept) && open(gone) && mesh_.faces_on_edge(kept, gone, faces) == 2;
+    if (pinches || !mesh_.link_condition(kept, gone) || !keeps_planes(kept, gone)) return;
     const auto inner = around({kept, gone});
     for (const Eigen::Vector3d& target :
          {mesh_.position(kept), Eigen::Vector3d(0.5 * (mesh_.position(kept) + mesh_.position(gone)))}) {
@@ -326,6 +329,18 @@ bool Unfolder::on_border(VertexId u, VertexId v) const
 {
     std::array<FaceId, 2> faces{};
     return mesh_.faces_on_edge(u, v, faces) != 2 || planes_.face_plane[faces[0]] != planes_.face_plane[faces[1]];
+}
+
+// Is the vertex on a border of the mesh?
+bool Unfolder::open(VertexId v) const
+{
+    bool found = false;
+    std::array<FaceId, 2> faces{};
+    mesh_.for_each_face(v, [&](FaceId f) {
+        for (const VertexId w : mesh_.face(f))
+            found = found || (w != v && mesh_.faces_on_edge(v, w, faces) == 1);
+    });
+    return found;
 }
 
 void Unfolder::write(PlaneMesh& out) const
