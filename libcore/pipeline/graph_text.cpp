@@ -12,17 +12,18 @@ namespace {
 enum class Look { Plain, Stored, Follows, Compute };
 
 struct Style {
-    const char* name;  // of the mermaid class
-    const char* words; // behind the number of scans
+    const char* name;   // of the mermaid class
+    const char* of_one; // said of a single scan
+    const char* words;  // behind the number of scans
     const char* fill;
     const char* terminal;
 };
 
 constexpr Style kStyles[] = {
-    {"plain", "", "#ffffff", ""},
-    {"stored", "in the store", "#cfe8cf", "\x1b[32m"},
-    {"follows", "follow", "#fff3c4", "\x1b[33m"},
-    {"compute", "to compute", "#f8cfc4", "\x1b[31m"},
+    {"plain", "", "", "#ffffff", ""},
+    {"stored", "in the store", "in the store", "#cfe8cf", "\x1b[32m"},
+    {"follows", "follows", "follow", "#fff3c4", "\x1b[33m"},
+    {"compute", "to compute", "to compute", "#f8cfc4", "\x1b[31m"},
 };
 
 const Style& style(Look look) { return kStyles[static_cast<int>(look)]; }
@@ -40,7 +41,7 @@ std::string state_text(const std::vector<NodeState>& states, std::size_t node)
 {
     if (states.empty()) return {};
     const NodeState& state = states[node];
-    if (state.stored + state.compute + state.follows <= 1) return style(look_of(states, node)).words;
+    if (state.stored + state.compute + state.follows <= 1) return style(look_of(states, node)).of_one;
     std::vector<std::string> parts;
     const auto add = [&](std::size_t count, Look look) {
         if (count > 0) parts.push_back(fmt::format("{} {}", count, style(look).words));

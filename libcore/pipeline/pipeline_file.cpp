@@ -5,10 +5,12 @@
 #include "pipeline/catalogue.h"
 #include "pipeline/glob.h"
 #include "pipeline/locate.h"
+#include "pipeline/scan_name.h"
 #include "pipeline/yaml.h"
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <map>
 #include <vector>
 
 namespace quoin {
@@ -153,9 +155,25 @@ std::string scan_argument(const std::string& name, const YamlNode& place, const 
     return name.empty() ? path : name + "=" + path;
 }
 
+// A scan in a list is named as its folder is; two of one name would overwrite each other's results.
+void refuse_equal_names(const std::vector<YamlNode>& list, Problems& problems)
+{
+    std::map<std::string, int> line_of;
+    for (const auto& item : list) {
+        if (!item.is_scalar() || item.text.empty()) continue;
+        const std::string name = scan_name(item.text);
+        const auto [first, is_new] = line_of.emplace(name, item.position.line);
+        if (!is_new)
+            problems.add(
+                item.position,
+                fmt::format("a scan '{}' stands in line {} already; name each: {{NAME: FOLDER}}", name, first->second));
+    }
+}
+
 std::vector<std::string> read_scans(const YamlNode& scans, const fs::path& folder, Problems& problems)
 {
     std::vector<std::string> arguments;
+    refuse_equal_names(scans.items, problems);
     for (const auto& item : scans.items)
         arguments.push_back(scan_argument("", item, folder, problems));
     if (const YamlNode* pattern = find(scans, "glob"); pattern && scans.entries.size() == 1) {

@@ -1,6 +1,7 @@
 #include "pipeline/plan.h"
 
 #include "base/error.h"
+#include "pipeline/scan_name.h"
 #include "store/identity.h"
 
 #include <algorithm>
@@ -159,8 +160,7 @@ NamedScan parse_scan(const std::string& argument)
     const fs::path folder = fs::absolute(is_named ? argument.substr(equals + 1) : argument).lexically_normal();
     if (!fs::is_directory(folder))
         throw InputError(fmt::format("--scan {}: {} is not a folder", argument, folder.string()));
-    const fs::path last = folder.has_filename() ? folder.filename() : folder.parent_path().filename();
-    NamedScan scan{is_named ? argument.substr(0, equals) : last.string(), folder};
+    NamedScan scan{is_named ? argument.substr(0, equals) : scan_name(folder), folder};
     const bool is_hidden = scan.name.empty() || scan.name.starts_with('.');
     if (is_hidden)
         throw UsageError(fmt::format("--scan {}: '{}' cannot name a folder of the output; write --scan NAME=DIR",

@@ -209,6 +209,7 @@ TEST(Graph, IsColouredByWhatTheStoreHas)
     EXPECT_THAT(graph_as_dot(graph, one),
                 HasSubstr(R"("room" [label="room (fuse)\nto compute", fillcolor="#f8cfc4"])"));
     EXPECT_THAT(graph_as_mermaid(graph, one), HasSubstr("s0[\"import<br>in the store\"]:::stored\n"));
+    EXPECT_THAT(graph_as_text(graph, {{.compute = 1}, {.follows = 1}}), HasSubstr("room (fuse)  follows     import"));
     const std::vector<NodeState> many{{.stored = 9}, {.stored = 5, .compute = 0, .follows = 4}};
     EXPECT_THAT(graph_as_text(graph, many), HasSubstr("5 in the store, 4 follow"));
 }
