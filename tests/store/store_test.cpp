@@ -8,7 +8,11 @@
 
 #include <atomic>
 #include <csignal>
+#include <ctime>
+#include <fcntl.h>
+#include <fstream>
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <thread>
 #include <unistd.h>
@@ -173,7 +177,46 @@ TEST(FolderDigest, FollowsContentAndNamesOnly)
     EXPECT_EQ(folder_digest(folder / "scan", folder / "cache"), digest);
     fs::rename(folder / "scan/a", folder / "scan/b");
     EXPECT_NE(folder_digest(folder / "scan", folder / "cache"), digest);
+    EXPECT_EQ(folder_digest(folder / "scan/", folder / "cache"), folder_digest(folder / "scan", {})); // with a slash
     EXPECT_THAT(error_of([&] { folder_digest(folder / "none", {}); }, ExitCode::Input), HasSubstr("no such folder"));
+}
+
+TEST(FolderDigest, IsRememberedByStampsWhateverTheClockSays)
+{
+    const TemporaryFolder folder;
+    fs::create_directories(folder / "scan/sub folder");
+    const fs::path file = folder / "scan/sub folder/a b";
+    const auto set_time = [&](std::time_t seconds) {
+        const timespec times[] = {{seconds, 0}, {seconds, 0}};
+        ::utimensat(AT_FDCWD, file.c_str(), times, 0);
+    };
+    write_atomically(file, std::string_view("1"));
+    set_time(1'000'000'000);
+    const std::string digest = folder_digest(folder / "scan", folder / "cache");
+    // The clock is set back by years, and a file of the same size is written at a time before.
+    write_atomically(file, std::string_view("2"));
+    set_time(900'000'000);
+    EXPECT_NE(folder_digest(folder / "scan", folder / "cache"), digest);
+    // Its time is set to what it was: the inode and the time of that change are not.
+    write_atomically(file, std::string_view("3"));
+    set_time(1'000'000'000);
+    EXPECT_EQ(folder_digest(folder / "scan", folder / "cache"), folder_digest(folder / "scan", {}));
+}
+
+TEST(FolderDigest, ADamagedStatCacheIsNotBelieved)
+{
+    const TemporaryFolder folder;
+    fs::create_directories(folder / "scan");
+    write_atomically(folder / "scan/a", std::string_view("1"));
+    write_atomically(folder / "scan/b", std::string_view("2"));
+    const std::string digest = folder_digest(folder / "scan", folder / "cache");
+    const fs::path cache = fs::directory_iterator(folder / "cache")->path();
+    const std::string text = read_text(cache);
+    for (const std::string& damaged :
+         {std::string("x"), text.substr(0, text.size() / 2), "-1 " + text, std::string()}) {
+        std::ofstream(cache) << damaged;
+        EXPECT_EQ(folder_digest(folder / "scan", folder / "cache"), digest);
+    }
 }
 
 } // namespace
