@@ -66,8 +66,8 @@ void sort_by_second_end(EdgeIterator first, EdgeIterator last)
     }
 }
 
-// Edges sorted by their ends, each pair once. Of equal edges the one that comes first stays.
-void sort_and_unique(std::vector<ClusterEdge>& edges, std::size_t clusters)
+// Sorts edges by their first ends; stable.
+void sort_by_first_end(std::vector<ClusterEdge>& edges, std::size_t clusters)
 {
     std::vector<std::uint32_t> next(clusters + 1, 0);
     for (const auto& edge : edges)
@@ -77,18 +77,23 @@ void sort_and_unique(std::vector<ClusterEdge>& edges, std::size_t clusters)
     std::vector<ClusterEdge> sorted(edges.size());
     for (const auto& edge : edges)
         sorted[next[edge.a]++] = edge;
-    edges.clear();
-    for (std::size_t begin = 0; begin < sorted.size();) {
-        std::size_t end = begin;
-        while (end < sorted.size() && sorted[end].a == sorted[begin].a)
-            ++end;
-        const auto first = sorted.begin() + static_cast<std::ptrdiff_t>(begin),
-                   last = sorted.begin() + static_cast<std::ptrdiff_t>(end);
+    edges.swap(sorted);
+}
+
+// Edges sorted by their ends, each pair once. Of equal edges the one that comes first stays.
+void sort_and_unique(std::vector<ClusterEdge>& edges, std::size_t clusters)
+{
+    const auto by_first_end = [](const ClusterEdge& x, const ClusterEdge& y) { return x.a < y.a; };
+    if (!std::is_sorted(edges.begin(), edges.end(), by_first_end)) sort_by_first_end(edges, clusters);
+    auto kept = edges.begin();
+    for (auto first = edges.begin(); first != edges.end();) {
+        const auto last = std::find_if(first, edges.end(), [&](const ClusterEdge& edge) { return edge.a != first->a; });
         sort_by_second_end(first, last);
-        std::unique_copy(first, last, std::back_inserter(edges),
-                         [](const auto& x, const auto& y) { return x.b == y.b; });
-        begin = end;
+        const auto end = std::unique(first, last, [](const auto& x, const auto& y) { return x.b == y.b; });
+        kept = kept == first ? end : std::move(first, end, kept);
+        first = last;
     }
+    edges.erase(kept, edges.end());
 }
 
 Eigen::Vector3d center_of(const TriangleMesh& mesh)
@@ -108,10 +113,9 @@ bool faces_away(const Cluster& part, const Eigen::Vector3f& facing, const MergeL
 // Is the RMS distance of the union, and of both parts, to the union's plane at most max_error? Planes are fitted only
 // where bounds leave it open: the variance of the union lies between those of its invariants, and no part exceeds that
 // of the union by more than the ratio of the areas.
-bool parts_fit(const Moments& a, const Moments& b, const Moments& sum, double max_error)
+bool parts_fit(const Moments& a, const Moments& b, const Moments& sum, const Invariants& i, double max_error)
 {
     const double max_variance = max_error * max_error;
-    const Invariants i = invariants(sum);
     const double smaller = std::min(a.area, b.area);
     if (i.most_variance() * sum.area <= max_variance * smaller) return true;
     if (i.least_variance() > max_variance) return false;
@@ -120,6 +124,15 @@ bool parts_fit(const Moments& a, const Moments& b, const Moments& sum, double ma
     if (variance * sum.area <= max_variance * smaller) return true;
     const Plane plane = fit_plane(sum);
     return rms_to_plane(a, plane) <= max_error && rms_to_plane(b, plane) <= max_error;
+}
+
+// i: the invariants of `sum`, which is a.sum + b.sum.
+bool may_join(const Cluster& a, const Cluster& b, const Moments& sum, const Invariants& i, const MergeLimits& limits)
+{
+    const Eigen::Vector3f facing = a.facing + b.facing;
+    if (facing.norm() < limits.min_facing * sum.area) return false;
+    if (faces_away(a, facing, limits) || faces_away(b, facing, limits)) return false;
+    return !std::isfinite(limits.max_error) || parts_fit(a.sum, b.sum, sum, i, limits.max_error);
 }
 
 } // namespace
@@ -152,17 +165,16 @@ ClusterGraph clusters_of_faces(const TriangleMesh& mesh, const std::vector<std::
 bool may_join(const Cluster& a, const Cluster& b, const MergeLimits& limits)
 {
     const Moments sum = a.sum + b.sum;
-    const Eigen::Vector3f facing = a.facing + b.facing;
-    if (facing.norm() < limits.min_facing * sum.area) return false;
-    if (faces_away(a, facing, limits) || faces_away(b, facing, limits)) return false;
-    return !std::isfinite(limits.max_error) || parts_fit(a.sum, b.sum, sum, limits.max_error);
+    return may_join(a, b, sum, invariants(sum), limits);
 }
 
 double merge_cost(const ClusterGraph& graph, ClusterId a, ClusterId b)
 {
     const Cluster &x = graph.cluster[a], &y = graph.cluster[b];
-    if (!may_join(x, y, graph.limits)) return kForbidden;
-    const double cost = pca_energy(x.sum + y.sum, graph.limits.flat_variance) - x.energy - y.energy;
+    const Moments sum = x.sum + y.sum;
+    const Invariants i = invariants(sum);
+    if (!may_join(x, y, sum, i, graph.limits)) return kForbidden;
+    const double cost = pca_energy(i, graph.limits.flat_variance) - x.energy - y.energy;
     return std::isfinite(cost) ? cost : kForbidden;
 }
 

@@ -3,6 +3,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace quoin {
@@ -11,30 +12,32 @@ namespace {
 constexpr std::uint32_t kNone = 0xffffffffu;
 constexpr std::size_t kGrain = 8192;
 
-// A binary heap of edges that knows where each edge is, so that costs change in place and no entry is ever stale.
+// A heap of edges that knows where each edge is, so that costs change in place and no entry is ever stale. Entries have
+// their costs with them, and four children lie side by side: a comparison seldom looks elsewhere in memory.
 class EdgeHeap {
 public:
     explicit EdgeHeap(const std::vector<ClusterEdge>& edges) : edges_(edges), place_(edges.size(), kNone)
     {
+        heap_.reserve(edges.size());
         for (std::uint32_t e = 0; e < edges.size(); ++e) {
             if (edges[e].cost == kForbidden) continue;
             place_[e] = static_cast<std::uint32_t>(heap_.size());
-            heap_.push_back(e);
+            heap_.push_back({edges[e].cost, e});
         }
-        for (std::size_t i = heap_.size() / 2; i-- > 0;)
-            sift_down(i);
+        for (std::size_t i = heap_.size() / kChildren + 1; i-- > 0;)
+            if (i < heap_.size()) sift_down(i);
     }
     bool empty() const { return heap_.empty(); }
-    std::uint32_t top() const { return heap_.front(); }
+    std::uint32_t top() const { return heap_.front().edge; }
 
     void remove(std::uint32_t e)
     {
         const std::uint32_t hole = place_[e];
         if (hole == kNone) return;
         place_[e] = kNone;
-        const std::uint32_t last = heap_.back();
+        const Entry last = heap_.back();
         heap_.pop_back();
-        if (last == e) return;
+        if (last.edge == e) return;
         put(hole, last);
         settle(hole);
     }
@@ -44,42 +47,54 @@ public:
     {
         if (edges_[e].cost == kForbidden) return remove(e);
         if (place_[e] == kNone) {
-            heap_.push_back(e);
-            place_[e] = static_cast<std::uint32_t>(heap_.size() - 1);
+            place_[e] = static_cast<std::uint32_t>(heap_.size());
+            heap_.push_back({});
         }
+        heap_[place_[e]] = {edges_[e].cost, e};
         settle(place_[e]);
     }
 
 private:
-    bool before(std::uint32_t x, std::uint32_t y) const { return cheaper(edges_[x], edges_[y]); }
-    void put(std::size_t i, std::uint32_t e)
+    static constexpr std::size_t kChildren = 4;
+    struct Entry {
+        double cost = 0.0;
+        std::uint32_t edge = 0;
+    };
+
+    bool before(const Entry& x, const Entry& y) const
     {
-        heap_[i] = e;
-        place_[e] = static_cast<std::uint32_t>(i);
+        return x.cost != y.cost ? x.cost < y.cost : cheaper(edges_[x.edge], edges_[y.edge]);
+    }
+    void put(std::size_t i, const Entry& entry)
+    {
+        heap_[i] = entry;
+        place_[entry.edge] = static_cast<std::uint32_t>(i);
     }
     void settle(std::size_t i) { sift_down(sift_up(i)); }
     std::size_t sift_up(std::size_t i)
     {
-        const std::uint32_t e = heap_[i];
-        for (; i > 0 && before(e, heap_[(i - 1) / 2]); i = (i - 1) / 2)
-            put(i, heap_[(i - 1) / 2]);
-        put(i, e);
+        const Entry entry = heap_[i];
+        for (; i > 0 && before(entry, heap_[(i - 1) / kChildren]); i = (i - 1) / kChildren)
+            put(i, heap_[(i - 1) / kChildren]);
+        put(i, entry);
         return i;
     }
     void sift_down(std::size_t i)
     {
-        const std::uint32_t e = heap_[i];
-        for (std::size_t child = 2 * i + 1; child < heap_.size(); child = 2 * i + 1) {
-            if (child + 1 < heap_.size() && before(heap_[child + 1], heap_[child])) ++child;
-            if (!before(heap_[child], e)) break;
+        const Entry entry = heap_[i];
+        for (std::size_t first = kChildren * i + 1; first < heap_.size(); first = kChildren * i + 1) {
+            std::size_t child = first;
+            for (std::size_t c = first + 1; c < std::min(first + kChildren, heap_.size()); ++c)
+                if (before(heap_[c], heap_[child])) child = c;
+            if (!before(heap_[child], entry)) break;
             put(i, heap_[child]);
             i = child;
         }
-        put(i, e);
+        put(i, entry);
     }
 
     const std::vector<ClusterEdge>& edges_;
-    std::vector<std::uint32_t> heap_;
+    std::vector<Entry> heap_;
     std::vector<std::uint32_t> place_; // per edge; kNone = not in the heap
 };
 
