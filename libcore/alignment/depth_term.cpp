@@ -5,56 +5,78 @@
 namespace quoin {
 namespace {
 
-std::vector<PairBlock> frame_blocks(const AlignmentState& state, const DepthSamples& samples, std::uint32_t frame,
-                                    double huber)
+// Calls visit(frame, plane, begin, end) for the samples of every frame on every plane, frames in parallel, and joins
+// the results in order.
+template <class Result, class Visit>
+std::vector<Result> of_all_pairs(const DepthSamples& samples, const Visit& visit)
 {
-    std::vector<PairBlock> blocks;
-    TangentBasis tangents;
-    for (std::uint32_t i = samples.first_of_frame[frame]; i < samples.first_of_frame[frame + 1]; ++i) {
-        const DepthSample& sample = samples.sample[i];
-        const CenteredPlane& plane = state.plane[sample.plane];
-        if (blocks.empty() || blocks.back().plane != sample.plane) {
-            blocks.emplace_back().frame = frame;
-            blocks.back().plane = sample.plane;
-            tangents = plane.tangents();
+    std::vector<std::vector<Result>> of_frame(samples.first_of_frame.empty() ? 0 : samples.first_of_frame.size() - 1);
+    parallel_for(of_frame.size(), [&](std::size_t k) {
+        const std::uint32_t last = samples.first_of_frame[k + 1];
+        for (std::uint32_t begin = samples.first_of_frame[k], end = begin; begin < last; begin = end) {
+            const PlaneId plane = samples.sample[begin].plane;
+            while (end < last && samples.sample[end].plane == plane)
+                ++end;
+            of_frame[k].push_back(visit(static_cast<std::uint32_t>(k), plane, begin, end));
         }
-        const DepthRow row = depth_row(state.camera_from_world[frame], plane, tangents, sample.p_camera.cast<double>());
-        const double residual = row.residual / sample.sigma;
-        const double weight = huber_weight(residual, huber) / (sample.sigma * sample.sigma);
-        Eigen::Matrix<double, 9, 1> J;
-        J.head<6>() = row.pose;
-        J.tail<3>() = row.plane;
-        blocks.back().H.noalias() += weight * J * J.transpose();
-        blocks.back().g += weight * row.residual * J;
-    }
-    return blocks;
+    });
+    std::vector<Result> all;
+    for (const auto& frame : of_frame)
+        all.insert(all.end(), frame.begin(), frame.end());
+    return all;
 }
+
+Eigen::Vector4d homogeneous(const DepthSample& sample) { return sample.p_camera.cast<double>().homogeneous(); }
 
 } // namespace
 
 // With T' = exp(xi) T the point is T^-1 (y - omega x y - v), so dr = (n_c x y) . omega - n_c . v with n_c = R n.
-DepthRow depth_row(const Rigid& camera_from_world, const CenteredPlane& plane, const TangentBasis& tangents,
-                   const Vector3& p_camera)
+DepthRows depth_rows(const Rigid& camera_from_world, const CenteredPlane& plane, const TangentBasis& tangents)
 {
-    const Vector3 arm = camera_from_world.inverse() * p_camera - plane.center;
     const Vector3 n_camera = camera_from_world.linear() * plane.normal;
-    DepthRow row;
-    row.residual = plane.normal.dot(arm) + plane.offset;
-    row.pose = twist(n_camera.cross(p_camera), -n_camera);
-    row.plane = {tangents.col(0).dot(arm), tangents.col(1).dot(arm), 1.0};
-    return row;
+    const Rigid world_from_camera = camera_from_world.inverse();
+    const Vector3 camera_center = world_from_camera.translation() - plane.center;
+    DepthRows rows;
+    rows.derivative.setZero();
+    rows.derivative.topLeftCorner<3, 3>() = skew(n_camera);
+    rows.derivative.block<3, 1>(3, 3) = -n_camera;
+    rows.derivative.block<2, 3>(6, 0) = tangents.transpose() * world_from_camera.linear();
+    rows.derivative.block<2, 1>(6, 3) = tangents.transpose() * camera_center;
+    rows.derivative(8, 3) = 1.0;
+    rows.residual.head<3>() = n_camera;
+    rows.residual.w() = plane.normal.dot(camera_center) + plane.offset;
+    return rows;
 }
 
 std::vector<PairBlock> depth_blocks(const AlignmentState& state, const DepthSamples& samples, double huber)
 {
-    std::vector<std::vector<PairBlock>> of_frame(state.camera_from_world.size());
-    parallel_for(of_frame.size(), [&](std::size_t k) {
-        of_frame[k] = frame_blocks(state, samples, static_cast<std::uint32_t>(k), huber);
-    });
-    std::vector<PairBlock> blocks;
-    for (const auto& frame : of_frame)
-        blocks.insert(blocks.end(), frame.begin(), frame.end());
-    return blocks;
+    return of_all_pairs<PairBlock>(
+        samples, [&](std::uint32_t k, PlaneId p, std::uint32_t begin, std::uint32_t end) -> PairBlock {
+            const DepthRows rows = depth_rows(state.camera_from_world[k], state.plane[p], state.plane[p].tangents());
+            Eigen::Matrix4d second = Eigen::Matrix4d::Zero(); // weighted moments of the points
+            Eigen::Vector4d first = Eigen::Vector4d::Zero();
+            for (std::uint32_t i = begin; i < end; ++i) {
+                const double sigma = samples.sample[i].sigma;
+                const Eigen::Vector4d y = homogeneous(samples.sample[i]);
+                const double residual = rows.residual.dot(y);
+                const double weight = huber_weight(residual / sigma, huber) / (sigma * sigma);
+                second.noalias() += weight * y * y.transpose();
+                first += weight * residual * y;
+            }
+            return {k, p, rows.derivative * second * rows.derivative.transpose(), rows.derivative * first};
+        });
+}
+
+std::vector<PairCost> depth_costs(const AlignmentState& state, const DepthSamples& samples, double huber)
+{
+    return of_all_pairs<PairCost>(
+        samples, [&](std::uint32_t k, PlaneId p, std::uint32_t begin, std::uint32_t end) -> PairCost {
+            const DepthRows rows = depth_rows(state.camera_from_world[k], state.plane[p], state.plane[p].tangents());
+            double cost = 0.0;
+            for (std::uint32_t i = begin; i < end; ++i)
+                cost += huber_cost(rows.residual.dot(homogeneous(samples.sample[i])) / samples.sample[i].sigma, huber);
+            return {k, p, cost};
+        });
 }
 
 } // namespace quoin

@@ -16,50 +16,48 @@ double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 double sum_of(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
-// Cost of every observation, in units of sigma_color.
-std::vector<float> color_costs(const AlignmentProblem& problem, const std::vector<float>& gray,
-                               const std::vector<float>& texel_color)
+// Adds costs to their frames and planes; returns their sum.
+double add_pairs(BlockEnergies& result, const std::vector<PairCost>& pairs, double weight)
 {
-    const OptimizeTextureParams& params = problem.scene.params;
-    std::vector<float> cost(gray.size());
-    const double scale = 1.0 / (params.sigma_color * params.sigma_color);
-    for (std::size_t o = 0; o < gray.size(); ++o) {
-        const double r = gray[o] - texel_color[problem.observations.texel[o]];
-        cost[o] = static_cast<float>(scale * huber_cost(r, params.huber_color));
-    }
-    return cost;
-}
-
-void add_color(BlockEnergies& result, const AlignmentProblem& problem, const std::vector<float>& cost)
-{
-    const Observations& observations = problem.observations;
-    for (std::size_t o = 0; o < cost.size(); ++o) {
-        result.of_frame[observations.frame[o]] += cost[o];
-        result.of_plane[problem.texels.plane[observations.texel[o]]] += cost[o];
-        result.sum.color += cost[o];
-    }
-}
-
-// Adds weighted robust depth costs to their frames and planes; returns their sum.
-double add_depths(BlockEnergies& result, const AlignmentState& state, const DepthSamples& samples, double weight,
-                  double huber)
-{
-    if (weight == 0.0 || samples.sample.empty()) return 0.0;
     double sum = 0.0;
-    for (std::size_t k = 0; k < state.camera_from_world.size(); ++k) {
-        const Rigid world_from_camera = state.camera_from_world[k].inverse();
-        for (std::uint32_t i = samples.first_of_frame[k]; i < samples.first_of_frame[k + 1]; ++i) {
-            const DepthSample& sample = samples.sample[i];
-            const Vector3 p_world = world_from_camera * sample.p_camera.cast<double>();
-            const double cost =
-                weight * huber_cost(state.plane[sample.plane].signed_distance(p_world) / sample.sigma, huber);
-            result.of_frame[k] += cost;
-            result.of_plane[sample.plane] += cost;
-            sum += cost;
-        }
+    for (const PairCost& pair : pairs) {
+        result.of_frame[pair.frame] += weight * pair.cost;
+        result.of_plane[pair.plane] += weight * pair.cost;
+        sum += weight * pair.cost;
     }
     return sum;
 }
+
+// Robust squares of grey differences, sorted by frame, then plane.
+std::vector<PairCost> color_costs(const AlignmentProblem& problem, const std::vector<float>& gray,
+                                  const std::vector<float>& texel_color)
+{
+    const Observations& observations = problem.observations;
+    std::vector<std::vector<PairCost>> of_frame(problem.scene.frames());
+    parallel_for(of_frame.size(), [&](std::size_t k) {
+        std::vector<PairCost>& pairs = of_frame[k];
+        for (std::uint32_t o = observations.first_of_frame[k]; o < observations.first_of_frame[k + 1]; ++o) {
+            const TexelId t = observations.texel[o];
+            const PlaneId plane = problem.texels.plane[t];
+            if (pairs.empty() || pairs.back().plane != plane)
+                pairs.push_back({static_cast<std::uint32_t>(k), plane, 0.0});
+            const double r = gray[o] - texel_color[t];
+            pairs.back().cost += huber_cost(r, problem.scene.params.huber_color);
+        }
+    });
+    std::vector<PairCost> all;
+    for (const auto& pairs : of_frame)
+        all.insert(all.end(), pairs.begin(), pairs.end());
+    return all;
+}
+
+double add_depths(BlockEnergies& result, const AlignmentState& state, const DepthSamples& samples, double weight,
+                  double huber)
+{
+    return weight == 0.0 ? 0.0 : add_pairs(result, depth_costs(state, samples, huber), weight);
+}
+
+double color_scale(const OptimizeTextureParams& params) { return 1.0 / (params.sigma_color * params.sigma_color); }
 
 double add_lines(BlockEnergies& result, const AlignmentProblem& problem, const AlignmentState& state)
 {
@@ -105,7 +103,7 @@ BlockEnergies energies_of_grays(const AlignmentProblem& problem, const Alignment
     BlockEnergies result;
     result.of_frame.assign(state.camera_from_world.size(), 0.0);
     result.of_plane.assign(state.plane.size(), 0.0);
-    add_color(result, problem, color_costs(problem, gray, texel_color));
+    result.sum.color = add_pairs(result, color_costs(problem, gray, texel_color), color_scale(params));
     result.sum.depth = add_depths(result, state, problem.depths, params.lambda_d, params.huber_depth);
     result.sum.line = add_lines(result, problem, state) +
                       add_depths(result, state, problem.line_depths, params.lambda_t, params.huber_depth);
@@ -114,26 +112,49 @@ BlockEnergies energies_of_grays(const AlignmentProblem& problem, const Alignment
     return result;
 }
 
+// Observed greys in the exposure of their frames.
+std::vector<float> corrected(const Observations& observations, const std::vector<float>& observed,
+                             const std::vector<Exposure>& exposure)
+{
+    std::vector<float> gray(observed.size());
+    for (std::size_t k = 0; k < exposure.size(); ++k) {
+        const auto gain = static_cast<float>(exposure[k].gain), bias = static_cast<float>(exposure[k].bias);
+        for (std::uint32_t o = observations.first_of_frame[k]; o < observations.first_of_frame[k + 1]; ++o)
+            gray[o] = gain * observed[o] + bias;
+    }
+    return gray;
+}
+
 } // namespace
 
-std::vector<float> best_colors(const AlignmentProblem& problem, const AlignmentState& state)
+Fit fit(const AlignmentProblem& problem, AlignmentState state)
 {
-    const auto gray = corrected_grays(problem.scene, state, problem.texels, problem.observations, problem.level);
-    return texel_colors(problem.observations, gray, problem.scene.params.huber_color, kReweightings);
+    Fit result;
+    result.observed = observed_grays(problem.scene, state, problem.texels, problem.observations, problem.level);
+    const auto gray = corrected(problem.observations, result.observed, state.exposure);
+    result.color = texel_colors(problem.observations, gray, problem.scene.params.huber_color, kReweightings);
+    result.energy = energies_of_grays(problem, state, gray, result.color).sum;
+    result.state = std::move(state);
+    return result;
+}
+
+Fit with_exposures(const AlignmentProblem& problem, const Fit& before, std::vector<Exposure> exposure)
+{
+    Fit result = before;
+    const auto gray = corrected(problem.observations, before.observed, exposure);
+    result.color = texel_colors(problem.observations, gray, problem.scene.params.huber_color, kReweightings);
+    result.energy.color = 0.0;
+    for (const PairCost& pair : color_costs(problem, gray, result.color))
+        result.energy.color += color_scale(problem.scene.params) * pair.cost;
+    result.state.exposure = std::move(exposure);
+    return result;
 }
 
 BlockEnergies energies(const AlignmentProblem& problem, const AlignmentState& state,
                        const std::vector<float>& texel_color)
 {
-    const auto gray = corrected_grays(problem.scene, state, problem.texels, problem.observations, problem.level);
-    return energies_of_grays(problem, state, gray, texel_color);
-}
-
-Energy energy(const AlignmentProblem& problem, const AlignmentState& state)
-{
-    const auto gray = corrected_grays(problem.scene, state, problem.texels, problem.observations, problem.level);
-    const auto color = texel_colors(problem.observations, gray, problem.scene.params.huber_color, kReweightings);
-    return energies_of_grays(problem, state, gray, color).sum;
+    const auto observed = observed_grays(problem.scene, state, problem.texels, problem.observations, problem.level);
+    return energies_of_grays(problem, state, corrected(problem.observations, observed, state.exposure), texel_color);
 }
 
 CalibrationBlock calibration_prior(const OptimizeTextureParams& params, const ColorCamera& color,

@@ -40,12 +40,19 @@ struct BlockEnergies {
     std::vector<double> of_plane; // P: all terms in which the plane takes part
 };
 
-// Texel colours that fit the state best.
-std::vector<float> best_colors(const AlignmentProblem& problem, const AlignmentState& state);
+// A state with everything that only looking at the images tells of it.
+struct Fit {
+    AlignmentState state;
+    std::vector<float> observed; // grey of every observation, not corrected by its exposure
+    std::vector<float> color;    // of every texel: those that fit the state best
+    Energy energy;
+};
+Fit fit(const AlignmentProblem& problem, AlignmentState state);
+// The same with other exposures: no image is looked at again.
+Fit with_exposures(const AlignmentProblem& problem, const Fit& before, std::vector<Exposure> exposure);
 
 BlockEnergies energies(const AlignmentProblem& problem, const AlignmentState& state,
                        const std::vector<float>& texel_color);
-Energy energy(const AlignmentProblem& problem, const AlignmentState& state);
 
 // Prior of the shared calibration: squared deviations from the input in units of their expected errors.
 struct CalibrationBlock {

@@ -12,13 +12,20 @@ namespace {
 
 constexpr double kMinGain = 0.05; // a gain of zero would explain everything
 constexpr int kReweightings = 2;
+constexpr std::size_t kGrain = 4096;
 
-// One channel of every observation, its robust weight, and the weight of all views of every texel.
+// One channel of an observation and its robust weight.
+struct WeightedView {
+    std::uint32_t frame;
+    float observed, weight;
+};
+
+// All observations by texel, and inside a texel by frame: view[i] is observation of_texel[i].
 struct WeightedViews {
     const Observations& observations;
-    const std::vector<float>& observed;
-    std::vector<float> weight;
-    std::vector<float> texel_weight;
+    std::vector<WeightedView> view;
+    std::vector<std::uint32_t> place; // of every observation in `view`
+    std::vector<float> texel_weight;  // of all views of a texel
 };
 
 WeightedViews weighted_views(const Observations& observations, const std::vector<float>& observed,
@@ -30,32 +37,42 @@ WeightedViews weighted_views(const Observations& observations, const std::vector
         corrected[o] = static_cast<float>(e.gain * observed[o] + e.bias);
     }
     const auto color = texel_colors(observations, corrected, huber, kReweightings);
-    WeightedViews views{observations, observed, std::vector<float>(observed.size()),
-                        std::vector<float>(color.size(), 0.0f)};
-    for (std::size_t o = 0; o < observed.size(); ++o) {
-        const TexelId t = observations.texel[o];
-        views.weight[o] = static_cast<float>(huber_weight(corrected[o] - color[t], huber));
-        views.texel_weight[t] += views.weight[o];
-    }
+    WeightedViews views{observations, std::vector<WeightedView>(observed.size()),
+                        std::vector<std::uint32_t>(observed.size()), std::vector<float>(color.size(), 0.0f)};
+    const auto weigh = [&](std::size_t t) {
+        for (std::uint32_t i = observations.first_of_texel[t]; i < observations.first_of_texel[t + 1]; ++i) {
+            const std::uint32_t o = observations.of_texel[i];
+            const auto weight = static_cast<float>(huber_weight(corrected[o] - color[t], huber));
+            views.view[i] = {observations.frame[o], observed[o], weight};
+            views.place[o] = i;
+            views.texel_weight[t] += weight;
+        }
+    };
+    parallel_for(color.size(), weigh, kGrain);
     return views;
 }
 
-// Two columns of the normal matrix of sum w (v - mean v)^2 over all texels, v = gain I + bias: those of frame k.
+// Two columns of the normal matrix of sum w (v - mean v)^2 over all texels, v = gain I + bias: the lower half of those
+// of frame k.
 void add_frame(Eigen::MatrixXd& A, const WeightedViews& views, std::size_t k)
 {
     const Observations& observations = views.observations;
-    auto columns = A.middleCols<2>(static_cast<Eigen::Index>(2 * k));
+    std::vector<Eigen::Array4d> with(observations.first_of_frame.size() - 1, Eigen::Array4d::Zero());
     for (std::uint32_t o = observations.first_of_frame[k]; o < observations.first_of_frame[k + 1]; ++o) {
         const TexelId t = observations.texel[o];
-        const Eigen::RowVector2d mine = views.weight[o] * Eigen::RowVector2d(views.observed[o], 1.0);
-        columns.middleRows<2>(static_cast<Eigen::Index>(2 * k)) += Eigen::Vector2d(views.observed[o], 1.0) * mine;
-        for (std::uint32_t i = observations.first_of_texel[t]; i < observations.first_of_texel[t + 1]; ++i) {
-            const std::uint32_t other = observations.of_texel[i];
-            const double part = views.weight[other] / views.texel_weight[t];
-            columns.middleRows<2>(2 * static_cast<Eigen::Index>(observations.frame[other])) -=
-                part * Eigen::Vector2d(views.observed[other], 1.0) * mine;
+        const std::uint32_t place = views.place[o];
+        const double I = views.view[place].observed, weight = views.view[place].weight;
+        with[k] += weight * Eigen::Array4d(I * I, I, I, 1.0);
+        const Eigen::Array4d mine = weight / views.texel_weight[t] * Eigen::Array4d(I, I, 1.0, 1.0);
+        for (std::uint32_t i = place; i < observations.first_of_texel[t + 1]; ++i) {
+            const WeightedView& other = views.view[i];
+            const double J = other.observed;
+            with[other.frame] -= other.weight * (mine * Eigen::Array4d(J, 1.0, J, 1.0));
         }
     }
+    auto columns = A.middleCols<2>(static_cast<Eigen::Index>(2 * k));
+    for (std::size_t l = k; l < with.size(); ++l)
+        columns.middleRows<2>(static_cast<Eigen::Index>(2 * l)) = Eigen::Map<const Eigen::Matrix2d>(with[l].data());
 }
 
 // Only relative exposures can be seen, and a darker picture has smaller differences: the means are held by equations
@@ -86,7 +103,7 @@ std::vector<Exposure> solve(const WeightedViews& views, double prior)
         Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(2 * frames), static_cast<Eigen::Index>(2 * frames));
     parallel_for(frames, [&](std::size_t k) { add_frame(A, views, k); });
     const Eigen::VectorXd b = add_prior_and_means(A, views, prior);
-    const Eigen::VectorXd x = A.ldlt().solve(b);
+    const Eigen::VectorXd x = A.selfadjointView<Eigen::Lower>().ldlt().solve(b);
     std::vector<Exposure> exposure(frames);
     for (std::size_t k = 0; k < frames && x.allFinite(); ++k)
         exposure[k] = {std::max(x[static_cast<Eigen::Index>(2 * k)], kMinGain),

@@ -45,7 +45,7 @@ double plane_weight(const AlignmentProblem& reference, const AlignmentState& sta
     if (params.plane_weight == PlaneWeight::Fixed) return params.lambda_p;
     AlignmentProblem unit = reference;
     unit.lambda_p = 1.0;
-    const Energy start = energy(unit, state);
+    const Energy start = fit(unit, state).energy;
     return start.plane > 0.0 ? params.lambda_p * start.color / start.plane : params.lambda_p;
 }
 
@@ -54,7 +54,7 @@ const std::vector<std::string> kEnergyNames{"total", "color", "plane", "line", "
 
 std::vector<double> mean_energies(const AlignmentProblem& reference, const AlignmentState& state)
 {
-    const Energy e = energy(reference, state);
+    const Energy e = fit(reference, state).energy;
     const auto mean = [](double sum, double count) { return count > 0.0 ? sum / count : 0.0; };
     double points = 0.0;
     for (const PlaneScatter& scatter : reference.scatter)
@@ -103,8 +103,8 @@ bool moved_too_far(const Rigid& from, const Rigid& to, const OptimizeTexturePara
 AlignmentState without_strays(const AlignmentProblem& reference, const AlignmentState& input, AlignmentState state)
 {
     const OptimizeTextureParams& params = reference.scene.params;
-    const BlockEnergies before = energies(reference, input, best_colors(reference, input));
-    const BlockEnergies after = energies(reference, state, best_colors(reference, state));
+    const BlockEnergies before = energies(reference, input, fit(reference, input).color);
+    const BlockEnergies after = energies(reference, state, fit(reference, state).color);
     std::size_t strays = 0;
     for (std::size_t k = 0; k < state.camera_from_world.size(); ++k) {
         const bool worse = after.of_frame[k] > (1.0 + params.max_increase) * before.of_frame[k];

@@ -31,6 +31,16 @@ Vector3 by_intrinsics(const FrameSampler& frame, const GraySample& gray, const V
     return {focal, gx * frame.scale, gy * frame.scale};
 }
 
+// p - (n . (p - c) + s) n
+Eigen::Affine3d projection(const CenteredPlane& plane)
+{
+    Eigen::Affine3d result;
+    result.linear() = Eigen::Matrix3d::Identity() - plane.normal * plane.normal.transpose();
+    result.translation() = -plane.signed_distance(Vector3::Zero()) * plane.normal;
+    result.makeAffine();
+    return result;
+}
+
 } // namespace
 
 FrameSampler frame_sampler(const AlignmentScene& scene, const AlignmentState& state, std::size_t frame, int level)
@@ -70,21 +80,23 @@ PhotometricRow photometric_row(const FrameSampler& frame, const CenteredPlane& p
     return row;
 }
 
-float corrected_gray(const FrameSampler& frame, const CenteredPlane& plane, const Vector3& p_world)
-{
-    const Vector3 x = frame.color_from_depth * (frame.camera_from_world * plane.project(p_world));
-    return static_cast<float>(frame.exposure.gain * sample_clamped(frame, x).value + frame.exposure.bias);
-}
-
-std::vector<float> corrected_grays(const AlignmentScene& scene, const AlignmentState& state, const Texels& texels,
-                                   const Observations& observations, int level)
+std::vector<float> observed_grays(const AlignmentScene& scene, const AlignmentState& state, const Texels& texels,
+                                  const Observations& observations, int level)
 {
     std::vector<float> gray(observations.size());
     parallel_for(scene.frames(), [&](std::size_t k) {
         const FrameSampler frame = frame_sampler(scene, state, k, level);
+        const Rigid color_from_world = frame.color_from_depth * frame.camera_from_world;
+        PlaneId plane = kNoPlane;
+        Eigen::Affine3d color_from_point =
+            Eigen::Affine3d::Identity(); // by way of the point's projection onto its plane
         for (std::uint32_t o = observations.first_of_frame[k]; o < observations.first_of_frame[k + 1]; ++o) {
             const TexelId t = observations.texel[o];
-            gray[o] = corrected_gray(frame, state.plane[texels.plane[t]], texels.p_world[t].cast<double>());
+            if (texels.plane[t] != plane) {
+                plane = texels.plane[t];
+                color_from_point = color_from_world * projection(state.plane[plane]);
+            }
+            gray[o] = sample_clamped(frame, color_from_point * texels.p_world[t].cast<double>()).value;
         }
     });
     return gray;

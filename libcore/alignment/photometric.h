@@ -26,11 +26,10 @@ FrameSampler frame_sampler(const AlignmentScene& scene, const AlignmentState& st
 // A point outside the image takes the colour of its border, with no derivative: the energy keeps its set of terms.
 PhotometricRow photometric_row(const FrameSampler& frame, const CenteredPlane& plane, const TangentBasis& tangents,
                                const Vector3& p_world);
-float corrected_gray(const FrameSampler& frame, const CenteredPlane& plane, const Vector3& p_world);
 
-// Corrected grey of every observation.
-std::vector<float> corrected_grays(const AlignmentScene& scene, const AlignmentState& state, const Texels& texels,
-                                   const Observations& observations, int level);
+// Grey of every observation as its frame shows it, not corrected by the exposure.
+std::vector<float> observed_grays(const AlignmentScene& scene, const AlignmentState& state, const Texels& texels,
+                                  const Observations& observations, int level);
 
 // Texel colours that minimise the robust cost: their means to begin with, then `rounds` of reweighting by Huber's
 // weight at `delta`. Each round lowers the cost.

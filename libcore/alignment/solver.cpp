@@ -2,7 +2,6 @@
 
 #include "alignment/exposure.h"
 #include "alignment/normal_equations.h"
-#include "alignment/photometric.h"
 
 #include <algorithm>
 
@@ -14,37 +13,34 @@ constexpr double kMinDamping = 1e-9; // what a rejected Gauss-Newton step starts
 
 enum class Block { Pose, Plane, Calibration };
 
-std::vector<float> observed_grays(const AlignmentProblem& problem, const AlignmentState& state)
+// The exposures that fit the greys of a state, if they lower its energy.
+Fit with_better_exposures(const AlignmentProblem& problem, Fit current)
 {
-    AlignmentState uncorrected = state;
-    std::ranges::fill(uncorrected.exposure, Exposure{});
-    return corrected_grays(problem.scene, uncorrected, problem.texels, problem.observations, problem.level);
-}
-
-AlignmentState with_better_exposures(const AlignmentProblem& problem, AlignmentState state)
-{
-    if (!problem.scene.params.optimize_exposure) return state;
-    AlignmentState candidate = state;
-    candidate.exposure = estimate_exposures(problem.observations, observed_grays(problem, state), problem.scene.params);
-    return energy(problem, candidate).total() < energy(problem, state).total() ? candidate : state;
+    Fit candidate = with_exposures(problem, current,
+                                   estimate_exposures(problem.observations, current.observed, problem.scene.params));
+    return candidate.energy.total() < current.energy.total() ? candidate : current;
 }
 
 // The best of the steps with rising damping, or the state itself. `damping` is left at what the next step should try.
-AlignmentState joint_step(const AlignmentProblem& problem, const AlignmentState& state, double& damping)
+Fit joint_step(const AlignmentProblem& problem, Fit current, double& damping)
 {
     const OptimizeTextureParams& params = problem.scene.params;
-    const double current = energy(problem, state).total();
-    const auto equations = linearize(problem, state, best_colors(problem, state), TexelColors::Eliminated);
+    const auto equations = linearize(problem, current.state, current.color, TexelColors::Eliminated);
     for (int trial = 0; trial < params.damping_trials; ++trial) {
-        const AlignmentState candidate =
-            moved(state, solve_joint(equations, damping, params.cg_iterations, params.cg_tolerance));
-        if (energy(problem, candidate).total() < current) {
+        Fit candidate = fit(
+            problem, moved(current.state, solve_joint(equations, damping, params.cg_iterations, params.cg_tolerance)));
+        if (candidate.energy.total() < current.energy.total()) {
             damping /= kDampingFactor;
             return candidate;
         }
         damping = std::max(damping, kMinDamping) * kDampingFactor;
     }
-    return state;
+    return current;
+}
+
+bool has_fallen(const Fit& before, const Fit& after, const OptimizeTextureParams& params)
+{
+    return before.energy.total() - after.energy.total() > params.min_decrease * before.energy.total();
 }
 
 void keep_only(StepVector& step, const StepLayout& layout, Block block)
@@ -77,40 +73,46 @@ AlignmentState block_step(const AlignmentProblem& problem, const AlignmentState&
 
 } // namespace
 
+// Exposures hardly change with the poses: once a new estimate does not help, none is made for this problem any more.
 AlignmentState minimize_jointly(const AlignmentProblem& problem, AlignmentState state, const OnIteration& on_iteration)
 {
     const OptimizeTextureParams& params = problem.scene.params;
     double damping = params.damping;
-    double current = energy(problem, state).total();
+    bool exposures_settled = !params.optimize_exposure;
+    Fit current = fit(problem, std::move(state));
     for (int i = 0; i < params.iterations; ++i) {
-        state = joint_step(problem, with_better_exposures(problem, std::move(state)), damping);
-        on_iteration(state);
-        const double next = energy(problem, state).total();
-        if (!(current - next > params.min_decrease * current)) break;
-        current = next;
+        const Fit before = current;
+        if (!exposures_settled) {
+            current = with_better_exposures(problem, std::move(current));
+            exposures_settled = !has_fallen(before, current, params);
+        }
+        current = joint_step(problem, std::move(current), damping);
+        on_iteration(current.state);
+        if (!has_fallen(before, current, params)) break;
     }
-    return state;
+    return current.state;
 }
 
 AlignmentState minimize_alternating(const AlignmentProblem& problem, AlignmentState state,
                                     const OnIteration& on_iteration)
 {
     const OptimizeTextureParams& params = problem.scene.params;
-    double current = energy(problem, state).total();
+    Fit current = fit(problem, std::move(state));
     for (int i = 0; i < params.outer_loops; ++i) {
-        const auto color = best_colors(problem, state);
+        const Fit before = current;
+        AlignmentState next = current.state;
         for (int loop = 0; loop < params.pose_loops; ++loop)
-            state = block_step(problem, state, color, Block::Pose);
+            next = block_step(problem, next, before.color, Block::Pose);
         for (int loop = 0; loop < params.plane_loops; ++loop)
-            state = block_step(problem, state, color, Block::Plane);
-        if (params.calibration == CalibrationUse::Refine) state = block_step(problem, state, color, Block::Calibration);
-        state = with_better_exposures(problem, std::move(state));
-        on_iteration(state);
-        const double next = energy(problem, state).total();
-        if (!(current - next > params.min_decrease * current)) break;
-        current = next;
+            next = block_step(problem, next, before.color, Block::Plane);
+        if (params.calibration == CalibrationUse::Refine)
+            next = block_step(problem, next, before.color, Block::Calibration);
+        current = fit(problem, std::move(next));
+        if (params.optimize_exposure) current = with_better_exposures(problem, std::move(current));
+        on_iteration(current.state);
+        if (!has_fallen(before, current, params)) break;
     }
-    return state;
+    return current.state;
 }
 
 } // namespace quoin

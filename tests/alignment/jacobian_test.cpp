@@ -96,7 +96,6 @@ TEST(PhotometricRow, HasTheDerivativeByPosePlaneAndCalibration)
         const Vector3 p = plane.project(Vector3(0, 0, 2) + random.vector(0.3)) + random(-0.05, 0.05) * plane.normal;
         const auto row = photometric_row(sampler(state, image), plane, plane.tangents(), p);
         EXPECT_NEAR(row.value, ramp_gray(state, plane, p), 1e-6);
-        EXPECT_FLOAT_EQ(static_cast<float>(row.value), corrected_gray(sampler(state, image), plane, p));
 
         const auto by_pose = [&](const Eigen::VectorXd& step) {
             AlignmentState s = state;
@@ -144,7 +143,7 @@ TEST(PhotometricRow, IsFlatOutsideTheImage)
     EXPECT_TRUE(std::isfinite(row.value));
 }
 
-TEST(DepthRow, HasTheDerivativeByPoseAndPlane)
+TEST(DepthRows, HaveTheDerivativeByPoseAndPlane)
 {
     for (unsigned seed = 0; seed < 20; ++seed) {
         Random random{std::mt19937(seed)};
@@ -152,15 +151,53 @@ TEST(DepthRow, HasTheDerivativeByPoseAndPlane)
         const CenteredPlane& plane = state.plane[0];
         const Rigid& T = state.camera_from_world[0];
         const Vector3 y = Vector3(0, 0, 2) + random.vector(0.5);
-        const DepthRow row = depth_row(T, plane, plane.tangents(), y);
+        const DepthRows rows = depth_rows(T, plane, plane.tangents());
+        const Eigen::Vector4d y_1 = y.homogeneous();
+        const Eigen::VectorXd derivative = rows.derivative * y_1;
         const auto residual = [&](const Rigid& pose, const CenteredPlane& p) {
             return p.signed_distance(pose.inverse() * y);
         };
-        EXPECT_NEAR(row.residual, residual(T, plane), 1e-12);
-        expect_equal(row.pose,
+        EXPECT_NEAR(rows.residual.dot(y_1), residual(T, plane), 1e-12);
+        expect_equal(derivative.head<6>(),
                      central_differences(6, 1e-5, [&](const auto& step) { return residual(moved(T, step), plane); }));
-        expect_equal(row.plane,
+        expect_equal(derivative.tail<3>(),
                      central_differences(3, 1e-5, [&](const auto& step) { return residual(T, plane.moved(step)); }));
+    }
+}
+
+TEST(DepthBlocks, AreTheSumsOverTheirSamplesInUnitsOfSigma)
+{
+    Random random{std::mt19937(5)};
+    const AlignmentState state = random_state(random);
+    DepthSamples samples{{0, 60}, {}};
+    for (int i = 0; i < 60; ++i) {
+        const PlaneId plane = i < 25 ? 0 : 1;
+        const Vector3 on_plane = state.plane[plane].project(Vector3(0, 0, 2) + random.vector(0.5));
+        const Vector3 y = state.camera_from_world[0] * on_plane + random.vector(0.02);
+        samples.sample.push_back({y.cast<float>(), plane, static_cast<float>(random(0.002, 0.01))});
+    }
+    const double huber = 0.7;
+    const auto blocks = depth_blocks(state, samples, huber);
+    const auto costs = depth_costs(state, samples, huber);
+    ASSERT_EQ(blocks.size(), 2u);
+    ASSERT_EQ(costs.size(), 2u);
+    for (std::size_t b = 0; b < 2; ++b) {
+        PairBlock expected;
+        double cost = 0.0;
+        const PlaneId p = blocks[b].plane;
+        const DepthRows rows = depth_rows(state.camera_from_world[0], state.plane[p], state.plane[p].tangents());
+        for (const DepthSample& sample : samples.sample) {
+            if (sample.plane != p) continue;
+            const Eigen::Vector4d y = sample.p_camera.cast<double>().homogeneous();
+            const double sigma = sample.sigma, r = rows.residual.dot(y) / sigma;
+            const Eigen::Matrix<double, 9, 1> J = rows.derivative * y / sigma;
+            expected.H += huber_weight(r, huber) * J * J.transpose();
+            expected.g += huber_weight(r, huber) * r * J;
+            cost += huber_cost(r, huber);
+        }
+        EXPECT_LT((blocks[b].H - expected.H).norm(), 1e-9 * expected.H.norm());
+        EXPECT_LT((blocks[b].g - expected.g).norm(), 1e-9 * expected.g.norm());
+        EXPECT_NEAR(costs[b].cost, cost, 1e-9 * cost);
     }
 }
 
