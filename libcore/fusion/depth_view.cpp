@@ -11,10 +11,6 @@ namespace quoin {
 namespace {
 
 constexpr float kFar = std::numeric_limits<float>::max();
-std::size_t view_size(const Camera& camera)
-{
-    return static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
-}
 
 std::size_t index_of(const Camera& camera, int x, int y)
 {

@@ -62,16 +62,32 @@ void find_neighbours(const VoxelGrid& grid, BlockId id, BlockSurface& surface)
             grid.find(block_key(grid.coord(id) + BlockCoord(n & 1, n >> 1 & 1, n >> 2)));
 }
 
-// Bits of `count` voxels from `index` on, moved up to bit `at`.
-void sample_row(const VoxelBlock& block, std::size_t index, std::uint32_t count, std::uint32_t at, float min_weight,
-                std::uint32_t& known, std::uint32_t& inside)
+struct RowBits {
+    std::uint32_t known = 0, inside = 0;
+};
+
+// Of `count` voxels from `index` on.
+RowBits sample_row(const VoxelBlock& block, std::size_t index, std::uint32_t count, float min_weight)
 {
+    RowBits bits;
     for (std::uint32_t x = 0; x < count; ++x) {
         const float weight = block.weight[index + x];
         const bool weighs = (weight > 0.0f) & (weight >= min_weight), is_inside = block.distance[index + x] < 0;
-        known |= static_cast<std::uint32_t>(weighs) << (at + x);
-        inside |= static_cast<std::uint32_t>(weighs & is_inside) << (at + x);
+        bits.known |= static_cast<std::uint32_t>(weighs) << x;
+        bits.inside |= static_cast<std::uint32_t>(weighs & is_inside) << x;
     }
+    return bits;
+}
+
+// A row of a block's own voxels and the first one of the block behind it.
+RowBits sample_row_and_next(const VoxelGrid& grid, const BlockSurface& surface, const Voxel& first, float min_weight)
+{
+    const BlockId own = surface.neighbour[wrap_bits(first)], next = surface.neighbour[wrap_bits(first) | 1];
+    const auto index = static_cast<std::size_t>(8 * ((first.y() & 7) + 8 * (first.z() & 7)));
+    RowBits bits, last;
+    if (own != kNoBlock) bits = sample_row(grid.block(own), index, kBlockSide, min_weight);
+    if (next != kNoBlock) last = sample_row(grid.block(next), index, 1, min_weight);
+    return {bits.known | last.known << kBlockSide, bits.inside | last.inside << kBlockSide};
 }
 
 Samples sample(const VoxelGrid& grid, const BlockSurface& surface, float min_weight)
@@ -79,14 +95,9 @@ Samples sample(const VoxelGrid& grid, const BlockSurface& surface, float min_wei
     Samples samples;
     for (int z = 0; z < kSide; ++z) {
         for (int y = 0; y < kSide; ++y) {
-            const std::size_t first = wrap_bits(Voxel(0, y, z));
-            const auto index = static_cast<std::size_t>(8 * ((y & 7) + 8 * (z & 7)));
-            auto &known = samples.known[static_cast<std::size_t>(z)][static_cast<std::size_t>(y)],
-                 &inside = samples.inside[static_cast<std::size_t>(z)][static_cast<std::size_t>(y)];
-            if (const BlockId id = surface.neighbour[first]; id != kNoBlock)
-                sample_row(grid.block(id), index, kBlockSide, 0, min_weight, known, inside);
-            if (const BlockId id = surface.neighbour[first | 1]; id != kNoBlock)
-                sample_row(grid.block(id), index, 1, kBlockSide, min_weight, known, inside);
+            const RowBits bits = sample_row_and_next(grid, surface, Voxel(0, y, z), min_weight);
+            samples.known[static_cast<std::size_t>(z)][static_cast<std::size_t>(y)] = bits.known;
+            samples.inside[static_cast<std::size_t>(z)][static_cast<std::size_t>(y)] = bits.inside;
         }
     }
     return samples;
@@ -200,11 +211,12 @@ void write_vertices(const VoxelGrid& grid, BlockId id, const BlockSurface& surfa
     }
 }
 
+// Appends the faces of a cell at `next`.
 void write_cell(const std::vector<BlockSurface>& surfaces, const BlockSurface& surface, const Voxel& cell,
-                unsigned corners, FaceId& n, TriangleMesh& mesh)
+                unsigned corners, Face*& next)
 {
     for (const CellTriangle& triangle : cell_triangles()[corners]) {
-        Face& face = mesh.face[n++];
+        Face& face = *next++;
         for (std::size_t k = 0; k < 3; ++k) {
             const auto [corner, axis] = cell_edges()[triangle[k]];
             const Voxel v = cell + Voxel(corner & 1, corner >> 1 & 1, corner >> 2);
@@ -217,12 +229,12 @@ void write_cell(const std::vector<BlockSurface>& surfaces, const BlockSurface& s
 void write_faces(const std::vector<BlockSurface>& surfaces, const BlockSurface& surface, const Samples& samples,
                  TriangleMesh& mesh)
 {
-    FaceId n = surface.first_face;
+    Face* next = mesh.face.data() + surface.first_face;
     for (int z = 0; z < kBlockSide; ++z)
         for (int y = 0; y < kBlockSide; ++y)
             for_surface_cells(
                 samples, static_cast<std::size_t>(y), static_cast<std::size_t>(z),
-                [&](int x, unsigned corners) { write_cell(surfaces, surface, Voxel(x, y, z), corners, n, mesh); });
+                [&](int x, unsigned corners) { write_cell(surfaces, surface, Voxel(x, y, z), corners, next); });
 }
 
 // Spreads colours along faces until every vertex that is connected to a coloured one has one; grey for the rest.

@@ -95,8 +95,8 @@ template <class T>
 using LayerOf = std::array<T, kLayer>;
 
 struct Layer {
-    alignas(32) LayerOf<float> z;       // [m]
-    alignas(32) LayerOf<float> stretch; // length of the ray to unit depth
+    alignas(32) LayerOf<float> z;     // [m]
+    alignas(32) LayerOf<float> aside; // squared distance to the optical axis [m^2]
     alignas(32) LayerOf<std::uint32_t> pixel;
     alignas(32) LayerOf<float> depth;    // [m]
     alignas(32) LayerOf<float> distance; // [m], along the ray
@@ -123,20 +123,32 @@ void project(const Projector& p, const Eigen::Vector3f& start, Layer& layer)
         const auto n = static_cast<std::size_t>(i);
         pixel[n] = inside ? line * width + column : missing;
         layer.z[n] = z;
-        layer.stretch[n] = std::sqrt(x * x + y * y + z * z) * inverse;
+        layer.aside[n] = x * x + y * y;
     }
     for (std::size_t i = 0; i < kLayer; ++i)
         layer.pixel[i] = static_cast<std::uint32_t>(pixel[i]);
 }
 
-// Signed distances; false if the view says nothing about any voxel of the layer.
-bool measure(const DepthView& view, float truncation, Layer& layer)
+// Looks up depths; false if all lie more than `truncation` in front of their voxels. Distances along the ray are not
+// shorter, so that layers of which the view says nothing need no square roots.
+bool look_up(const DepthView& view, float truncation, Layer& layer)
 {
     for (std::size_t i = 0; i < kLayer; ++i)
         layer.depth[i] = view.depth[layer.pixel[i]];
+    std::int32_t near = 0;
+    for (std::size_t i = 0; i < kLayer; ++i)
+        near += (layer.depth[i] > 0.0f) & (layer.depth[i] - layer.z[i] > -truncation) ? 1 : 0;
+    return near > 0;
+}
+
+// Signed distances; false if the view says nothing about any voxel of the layer.
+bool measure(float truncation, Layer& layer)
+{
     std::int32_t known = 0;
     for (std::size_t i = 0; i < kLayer; ++i) {
-        const float s = (layer.depth[i] - layer.z[i]) * layer.stretch[i];
+        const float z = layer.z[i],
+                    stretch = std::sqrt(layer.aside[i] + z * z) * (1.0f / z); // of the ray to unit depth
+        const float s = (layer.depth[i] - z) * stretch;
         layer.distance[i] = s;
         known += (layer.depth[i] > 0.0f) & (s > -truncation) ? 1 : 0;
     }
@@ -156,7 +168,7 @@ bool accumulate_distance(float truncation, Layer& layer, float* __restrict dista
         const float cosine = static_cast<float>(incidence) * (1.0f / kIncidenceScale);
         const float w = known ? cosine / (d * d) : 0.0f;
         layer.weight[i] = w;
-        distance[i] += w * std::min(1.0f, s * scale);
+        distance[i] += known ? w * std::min(1.0f, s * scale) : 0.0f; // s is not finite beside the camera
         weight[i] += w;
         near += known & (s < truncation) ? 1 : 0;
     }
@@ -188,7 +200,7 @@ void add_view(const Projector& p, const Eigen::Vector3f& origin, float truncatio
     const DepthView& view = *p.view;
     for (int z = 0; z < kBlockSide; ++z) {
         project(p, origin + static_cast<float>(z) * p.step.col(2), layer);
-        if (!measure(view, truncation, layer)) continue;
+        if (!look_up(view, truncation, layer) || !measure(truncation, layer)) continue;
         for (std::size_t i = 0; i < kLayer; ++i)
             layer.surface[i] = std::bit_cast<std::uint32_t>(view.surface[layer.pixel[i]]);
         const std::size_t at = kLayer * static_cast<std::size_t>(z);

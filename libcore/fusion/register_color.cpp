@@ -155,6 +155,20 @@ private:
     std::vector<std::uint32_t> color_;
 };
 
+// Depth 0 for the pixels of a row that have no surface or that something hides from the colour camera; is any left?
+bool keep_visible(const NearestDepth& nearest, const ViewParams& params, const float* surface_depth, ColorRow& row)
+{
+    const auto slack = static_cast<float>(params.occlusion), slack_ratio = static_cast<float>(params.depth_edge);
+    bool visible = false;
+    for (std::size_t x = 0; x < row.z.size(); ++x) {
+        const float z = row.z[x];
+        const bool hidden = z > nearest.at(row.u[x], row.v[x]) + slack + slack_ratio * z;
+        row.z[x] = hidden | (surface_depth[x] <= 0.0f) ? 0.0f : z;
+        visible |= row.z[x] > 0.0f;
+    }
+    return visible;
+}
+
 } // namespace
 
 void register_color(const Scan& scan, const PaddedDepth& measured, const ColorImage& color, const ViewParams& params,
@@ -168,19 +182,11 @@ void register_color(const Scan& scan, const PaddedDepth& measured, const ColorIm
         projection.project(measured, y, row);
         nearest.add(row);
     }
-    const auto slack = static_cast<float>(params.occlusion), slack_ratio = static_cast<float>(params.depth_edge);
     RowSampler sampler(color, width);
     for (int y = 0; y < measured.height(); ++y) {
         projection.project(measured, y, row);
         const std::size_t first = static_cast<std::size_t>(y) * width;
-        bool visible = false;
-        for (std::size_t x = 0; x < width; ++x) {
-            const float z = row.z[x];
-            const bool hidden = z > nearest.at(row.u[x], row.v[x]) + slack + slack_ratio * z;
-            row.z[x] = hidden | (view.depth[first + x] <= 0.0f) ? 0.0f : z;
-            visible |= row.z[x] > 0.0f;
-        }
-        if (!visible) continue;
+        if (!keep_visible(nearest, params, view.depth.data() + first, row)) continue;
         const auto& sampled = sampler.sample(row);
         for (std::size_t x = 0; x < width; ++x) {
             if (row.z[x] <= 0.0f) continue;
