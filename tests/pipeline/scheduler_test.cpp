@@ -176,11 +176,11 @@ TEST_F(SchedulerTest, RefusesAnOutputThatIsNoArtifact)
 TEST_F(SchedulerTest, EndsAStageThatHangs)
 {
     Budget budget;
-    budget.timeout = 0.3;
+    budget.timeout = 5.0; // the other stages end within it, however busy the machine is
     const RunOutcome outcome = run("", "exec sleep 300", "", budget);
     EXPECT_EQ(outcome.exit_code, 4);
     EXPECT_EQ(state(outcome, 1), TaskState::Failed);
-    EXPECT_THAT(recorder_.lines, ElementsAre(HasSubstr("was ended after 0.")));
+    EXPECT_THAT(recorder_.lines, ElementsAre(HasSubstr("was ended after ")));
 }
 
 TEST_F(SchedulerTest, ShowsOnlySoMuchOfWhatAStagePrints)
