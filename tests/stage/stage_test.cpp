@@ -161,9 +161,10 @@ TEST_F(StageContract, AReadOnlyOutputFolderIsExitCode3)
 
 TEST_F(StageContract, ASignalEndsItWith128PlusNAndNothingHalfWritten)
 {
-    const auto result = toy("--in mesh=in.safetensors --out mesh=out.safetensors --store store --set sleep=30 & "
-                            "pid=$!; until [ -d store/v1/tmp ]; do sleep 0.05; done; sleep 0.3; "
-                            "kill -TERM $pid; wait $pid");
+    const auto result =
+        toy("--in mesh=in.safetensors --out mesh=out.safetensors --store store --set sleep=30 & "
+            "pid=$!; until [ -d '" +
+            (folder_ / "store/v1/tmp").string() + "' ]; do sleep 0.05; done; sleep 0.3; kill -TERM $pid; wait $pid");
     EXPECT_EQ(result.exit_code, 143);
     EXPECT_FALSE(fs::exists(folder_ / "out.safetensors"));
     EXPECT_TRUE(fs::is_empty(folder_ / "store/v1/tmp"));
