@@ -59,4 +59,9 @@ void refuse(const std::string& name, const std::string& found, const std::string
     throw InputError(fmt::format("{}: {}; expected {}", name, found, expected));
 }
 
+void refuse_undecodable(const std::string& name, const std::string& why)
+{
+    refuse(name, fmt::format("cannot decode the image ({})", why), kReadFormats);
+}
+
 } // namespace quoin::formats

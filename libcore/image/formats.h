@@ -18,4 +18,9 @@ void check_complete(Bytes bytes, const std::string& name);
 // Throws InputError "<name>: <found>; expected <expected>".
 [[noreturn]] void refuse(const std::string& name, const std::string& found, const std::string& expected);
 
+// The same for a file that a decoder gave up on, with its words.
+[[noreturn]] void refuse_undecodable(const std::string& name, const std::string& why);
+
+constexpr const char* kReadFormats = "a JPEG, PNG, BMP, TIFF or WebP file";
+
 } // namespace quoin::formats

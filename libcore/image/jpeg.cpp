@@ -60,8 +60,7 @@ public:
     template <class Step>
     void run(const Step& step)
     {
-        if (!succeeds(failure_, step))
-            formats::refuse(name_, fmt::format("cannot decode the image ({})", failure_.words), formats::kReadFormats);
+        if (!succeeds(failure_, step)) formats::refuse_undecodable(name_, failure_.words);
     }
 
     jpeg_decompress_struct& codec() { return codec_; }

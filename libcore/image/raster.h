@@ -31,6 +31,4 @@ struct Raster {
     void allocate() { bytes.resize(static_cast<std::size_t>(height) * row_bytes()); }
 };
 
-constexpr const char* kReadFormats = "a JPEG, PNG, BMP, TIFF or WebP file";
-
 } // namespace quoin::formats

@@ -13,8 +13,8 @@ struct FlipLimits {
 
 // Pulls moved vertices of `mesh` back towards where they were in `before` (V), until every face and every edge of two
 // faces keeps to the limits, or was beyond them before: such a face looks away no farther than then and keeps half its
-// shape. Vertices go back by halves, `halvings` times, then all
-// the way, so it ends: at worst with the mesh as it was. Returns how many vertices were held back.
+// shape. Vertices go back by halves, `halvings` times, then all the way, so it ends: at worst with the mesh as it was.
+// Returns how many vertices were held back.
 std::size_t hold_back_flips(PlaneMesh& mesh, const std::vector<Eigen::Vector3f>& before, const FlipLimits& limits,
                             int halvings = 3);
 

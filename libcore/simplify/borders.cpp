@@ -29,7 +29,7 @@ double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 class BorderSimplifier {
 public:
     BorderSimplifier(const PlaneMesh& planes, Curves& curves, const SimplifyParams& params)
-        : planes_(planes), curves_(curves), params_(params), mesh_(positions(planes.mesh), planes.mesh.face),
+        : planes_(planes), curves_(curves), params_(params), mesh_(doubles(planes.mesh.position), planes.mesh.face),
           fit_(planes, curves, mesh_.positions(), params), version_(curves.size(), 0)
     {
         limits_ = {std::cos(radians(params.max_deviation)), std::cos(radians(params.max_turn)), params.min_shape};
@@ -48,13 +48,6 @@ public:
     void write(PlaneMesh& out) const;
 
 private:
-    static std::vector<Eigen::Vector3d> positions(const TriangleMesh& mesh)
-    {
-        std::vector<Eigen::Vector3d> p(mesh.position.size());
-        for (std::size_t v = 0; v < p.size(); ++v)
-            p[v] = mesh.position[v].cast<double>();
-        return p;
-    }
     bool corner(std::uint32_t slot) const { return fit_.corner(slot); }
     const Eigen::Vector3d& position(std::uint32_t slot) const { return fit_.position(slot); }
 
@@ -63,8 +56,6 @@ private:
     void push(std::uint32_t first);
     bool try_contract(std::uint32_t s, std::uint32_t t);
     bool legal(std::uint32_t s, std::uint32_t t, const Eigen::Vector3d& x);
-    bool keeps_planes(VertexId u, VertexId v) const;
-    bool on_border(VertexId u, VertexId v) const;
     void contract(std::uint32_t s, std::uint32_t t, const Eigen::Vector3d& x);
 
     const PlaneMesh& planes_;
@@ -137,27 +128,10 @@ bool BorderSimplifier::legal(std::uint32_t s, std::uint32_t t, const Eigen::Vect
 {
     const VertexId u = curves_.vertex[s], v = curves_.vertex[t];
     if (u == v || (fit_.curve(s).closed && curves_.next[curves_.next[t]] == s)) return false;
-    if (!fit_.fits(s, t, x, nullptr) || !mesh_.link_condition(u, v) || !keeps_planes(u, v)) return false;
+    if (!fit_.fits(s, t, x, nullptr) || !mesh_.link_condition(u, v) || !keeps_planes(mesh_, planes_.face_plane, u, v))
+        return false;
     const auto plane_of = [&](FaceId f) -> const Plane& { return planes_.plane[planes_.face_plane[f]]; };
     return mesh_.keeps_shape(u, v, x, limits_, plane_of) && !mesh_.folds(u, v, x, limits_.folded_cosine);
-}
-
-// A face that dies between two other borders would be the last of its plane, or the bridge between two parts of it.
-bool BorderSimplifier::keeps_planes(VertexId u, VertexId v) const
-{
-    std::array<FaceId, 2> faces{};
-    const int count = mesh_.faces_on_edge(u, v, faces);
-    for (int i = 0; i < count; ++i) {
-        const VertexId w = mesh_.third_vertex(faces[static_cast<std::size_t>(i)], u, v);
-        if (on_border(u, w) && on_border(v, w)) return false;
-    }
-    return true;
-}
-
-bool BorderSimplifier::on_border(VertexId u, VertexId v) const
-{
-    std::array<FaceId, 2> faces{};
-    return mesh_.faces_on_edge(u, v, faces) != 2 || planes_.face_plane[faces[0]] != planes_.face_plane[faces[1]];
 }
 
 void BorderSimplifier::contract(std::uint32_t s, std::uint32_t t, const Eigen::Vector3d& x)

@@ -173,4 +173,29 @@ void CollapseMesh::flip(FaceId f, FaceId g, VertexId a, VertexId b)
         link(v, g);
 }
 
+bool on_border(const CollapseMesh& mesh, const std::vector<PlaneId>& face_plane, VertexId u, VertexId v)
+{
+    std::array<FaceId, 2> faces{};
+    return mesh.faces_on_edge(u, v, faces) != 2 || face_plane[faces[0]] != face_plane[faces[1]];
+}
+
+bool keeps_planes(const CollapseMesh& mesh, const std::vector<PlaneId>& face_plane, VertexId u, VertexId v)
+{
+    std::array<FaceId, 2> faces{};
+    const int count = mesh.faces_on_edge(u, v, faces);
+    for (int i = 0; i < count; ++i) {
+        const VertexId w = mesh.third_vertex(faces[static_cast<std::size_t>(i)], u, v);
+        if (on_border(mesh, face_plane, u, w) && on_border(mesh, face_plane, v, w)) return false;
+    }
+    return true;
+}
+
+std::vector<Eigen::Vector3d> doubles(const std::vector<Eigen::Vector3f>& position)
+{
+    std::vector<Eigen::Vector3d> p(position.size());
+    for (std::size_t v = 0; v < p.size(); ++v)
+        p[v] = position[v].cast<double>();
+    return p;
+}
+
 } // namespace quoin

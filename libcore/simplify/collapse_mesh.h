@@ -100,6 +100,15 @@ private:
     std::uint32_t stamp_ = 0;
 };
 
+// Is the edge uv a border of the mesh, or between two planes? face_plane has one a face.
+bool on_border(const CollapseMesh& mesh, const std::vector<PlaneId>& face_plane, VertexId u, VertexId v);
+
+// Do planes stay in one piece, and keep a face, when uv is contracted? A face that dies between two other borders would
+// be the last of its plane, or the bridge between two parts of it.
+bool keeps_planes(const CollapseMesh& mesh, const std::vector<PlaneId>& face_plane, VertexId u, VertexId v);
+
+std::vector<Eigen::Vector3d> doubles(const std::vector<Eigen::Vector3f>& position);
+
 // Unit normal (zero without area) and height over longest edge of a triangle.
 struct TriangleShape {
     Eigen::Vector3d normal = Eigen::Vector3d::Zero();

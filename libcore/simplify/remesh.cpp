@@ -2,6 +2,7 @@
 
 #include "base/log.h"
 #include "base/parallel.h"
+#include "simplify/collapse_mesh.h"
 #include "simplify/contract.h"
 #include "simplify/outlines.h"
 #include "simplify/snap.h"
@@ -49,14 +50,6 @@ PlaneMesh rough_part(const PlaneMesh& mesh, const Flags& flat)
         rough.face_plane.push_back(mesh.face_plane[f]);
     }
     return rough;
-}
-
-std::vector<Eigen::Vector3d> doubles(const std::vector<Eigen::Vector3f>& position)
-{
-    std::vector<Eigen::Vector3d> p(position.size());
-    for (std::size_t v = 0; v < p.size(); ++v)
-        p[v] = position[v].cast<double>();
-    return p;
 }
 
 // One attempt to fill all flat planes; planes that cannot be are reported as failed.

@@ -119,7 +119,7 @@ struct Change {
 class Unfolder {
 public:
     Unfolder(const PlaneMesh& mesh, const SimplifyParams& params)
-        : planes_(mesh), params_(params), mesh_(positions(mesh.mesh), mesh.mesh.face)
+        : planes_(mesh), params_(params), mesh_(doubles(mesh.mesh.position), mesh.mesh.face)
     {
     }
 
@@ -139,13 +139,6 @@ public:
     void write(PlaneMesh& out) const;
 
 private:
-    static std::vector<Eigen::Vector3d> positions(const TriangleMesh& mesh)
-    {
-        std::vector<Eigen::Vector3d> p(mesh.position.size());
-        for (std::size_t v = 0; v < p.size(); ++v)
-            p[v] = mesh.position[v].cast<double>();
-        return p;
-    }
     Piece piece(FaceId f) const
     {
         const Face& t = mesh_.face(f);
@@ -162,8 +155,6 @@ private:
     void apply(const Change& change);
     void consider(Change change, const std::vector<FaceId>& inner, const Pieces& after,
                   std::optional<Change>& best) const;
-    bool keeps_planes(VertexId u, VertexId v) const;
-    bool on_border(VertexId u, VertexId v) const;
     bool open(VertexId v) const;
 
     PlaneMesh planes_; // its faces are as they were
@@ -249,7 +240,7 @@ void Unfolder::try_contraction(VertexId kept, VertexId gone, std::optional<Chang
 {
     std::array<FaceId, 2> faces{};
     const bool pinches = open(kept) && open(gone) && mesh_.faces_on_edge(kept, gone, faces) == 2;
-    if (pinches || !mesh_.link_condition(kept, gone) || !keeps_planes(kept, gone)) return;
+    if (pinches || !mesh_.link_condition(kept, gone) || !keeps_planes(mesh_, planes_.face_plane, kept, gone)) return;
     const auto inner = around({kept, gone});
     for (const Eigen::Vector3d& target :
          {mesh_.position(kept), Eigen::Vector3d(0.5 * (mesh_.position(kept) + mesh_.position(gone)))}) {
@@ -313,24 +304,6 @@ void Unfolder::consider(Change change, const std::vector<FaceId>& inner, const P
     if (change.error <= params_.max_fold_error && (!best || change.better_than(*best))) best = change;
 }
 
-// A face that dies between two other borders would be the last of its plane, or the bridge between two parts of it.
-bool Unfolder::keeps_planes(VertexId u, VertexId v) const
-{
-    std::array<FaceId, 2> faces{};
-    const int count = mesh_.faces_on_edge(u, v, faces);
-    for (int i = 0; i < count; ++i) {
-        const VertexId w = mesh_.third_vertex(faces[static_cast<std::size_t>(i)], u, v);
-        if (on_border(u, w) && on_border(v, w)) return false;
-    }
-    return true;
-}
-
-bool Unfolder::on_border(VertexId u, VertexId v) const
-{
-    std::array<FaceId, 2> faces{};
-    return mesh_.faces_on_edge(u, v, faces) != 2 || planes_.face_plane[faces[0]] != planes_.face_plane[faces[1]];
-}
-
 // Is the vertex on a border of the mesh?
 bool Unfolder::open(VertexId v) const
 {
@@ -365,7 +338,7 @@ void unfold(PlaneMesh& mesh, const SimplifyParams& params)
     Unfolder unfolder(before, params);
     const std::size_t changes = unfolder.run();
     unfolder.write(mesh);
-    log_info(fmt::format("{} edges were contracted or flipped to take folds out", changes));
+    log_info(fmt::format("{} changes of edges and planes took folds out", changes));
 }
 
 } // namespace quoin
