@@ -14,12 +14,18 @@ else()
     set(quoin_arch ${QUOIN_ARCH})
 endif()
 
+# Most of a file's compile time goes to the headers that its neighbours include too, so neighbours are compiled together.
+# Their names share one scope then: what two files of a folder call the same needs two names. Off for tools that go by file.
+option(QUOIN_UNITY "compile the files of a folder together, a few at a time" ON)
+set(CMAKE_UNITY_BUILD ${QUOIN_UNITY})
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 8) # more save little, and one changed line would cost more
+
 add_library(quoin_options INTERFACE)
 target_include_directories(quoin_options INTERFACE ${CMAKE_CURRENT_SOURCE_DIR}/libcore)
 # No contraction into fused multiply-adds: it depends on the compiler's mood and breaks equal bytes.
 # Eigen's alignment is pinned to what Debian's libraries were built with, or its allocator differs between us and Ceres.
 target_compile_options(quoin_options INTERFACE
-    -march=${quoin_arch} -ffp-contract=off -Wall -Wextra -Wpedantic -Wshadow -Wno-psabi -Wno-restrict -fdiagnostics-color=auto)
+    -march=${quoin_arch} -ffp-contract=off $<$<CXX_COMPILER_ID:GNU>:SHELL:--param ggc-min-heapsize=1000000> -Wall -Wextra -Wpedantic -Wshadow -Wno-psabi -Wno-restrict -fdiagnostics-color=auto)
 target_compile_definitions(quoin_options INTERFACE EIGEN_MAX_ALIGN_BYTES=16 EIGEN_DONT_PARALLELIZE)
 target_link_libraries(quoin_options INTERFACE Eigen3::Eigen Threads::Threads)
 

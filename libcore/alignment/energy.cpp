@@ -2,17 +2,15 @@
 
 #include "alignment/photometric.h"
 #include "base/parallel.h"
+#include "geometry/units.h"
 
 #include <cmath>
-#include <numbers>
 #include <numeric>
 
 namespace quoin {
 namespace {
 
 constexpr int kReweightings = 3;
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 double sum_of(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 

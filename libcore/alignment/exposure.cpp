@@ -11,8 +11,8 @@ namespace quoin {
 namespace {
 
 constexpr double kMinGain = 0.05; // a gain of zero would explain everything
-constexpr int kReweightings = 2;
-constexpr std::size_t kGrain = 4096;
+constexpr int kExposureReweightings = 2;
+constexpr std::size_t kWeighGrain = 4096;
 
 // One channel of an observation and its robust weight.
 struct WeightedView {
@@ -36,7 +36,7 @@ WeightedViews weighted_views(const Observations& observations, const std::vector
         const Exposure& e = exposure[observations.frame[o]];
         corrected[o] = static_cast<float>(e.gain * observed[o] + e.bias);
     }
-    const auto color = texel_colors(observations, corrected, huber, kReweightings);
+    const auto color = texel_colors(observations, corrected, huber, kExposureReweightings);
     WeightedViews views{observations, std::vector<WeightedView>(observed.size()),
                         std::vector<std::uint32_t>(observed.size()), std::vector<float>(color.size(), 0.0f)};
     const auto weigh = [&](std::size_t t) {
@@ -48,7 +48,7 @@ WeightedViews weighted_views(const Observations& observations, const std::vector
             views.texel_weight[t] += weight;
         }
     };
-    parallel_for(color.size(), weigh, kGrain);
+    parallel_for(color.size(), weigh, kWeighGrain);
     return views;
 }
 

@@ -9,7 +9,7 @@ namespace quoin {
 namespace {
 
 constexpr double kMinDepth = 1e-3; // [m]; points nearer to the camera plane have no pixel
-constexpr std::size_t kGrain = 4096;
+constexpr std::size_t kColorGrain = 4096;
 
 GraySample sample_clamped(const FrameSampler& frame, const Vector3& p_color)
 {
@@ -123,7 +123,7 @@ std::vector<float> texel_colors(const Observations& observations, const std::vec
             for (int round = 0; round <= rounds; ++round)
                 color[t] = weighted_mean(t, round > 0);
         },
-        kGrain);
+        kColorGrain);
     return color;
 }
 

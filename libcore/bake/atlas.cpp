@@ -11,7 +11,7 @@ namespace quoin {
 namespace {
 
 // A bilinear look-up on the edge of a chart reaches texel centres up to the diagonal of a texel away.
-constexpr double kBilinearReach = 1.5; // [texel]
+constexpr double kTexelReach = 1.5; // [texel]
 
 RectangleSize rectangle_size(const Chart& chart, int gutter)
 {
@@ -44,7 +44,7 @@ void assign_faces(const TriangleMesh& mesh, TexelChart& texels)
         Triangle2 triangle = chart_triangle(mesh, texels.chart, texels.chart.face[i]);
         for (auto& p : triangle)
             p.array() += texels.gutter;
-        for_each_texel(triangle, texels.width(), texels.height(), kBilinearReach, [&](int x, int y, double d) {
+        for_each_texel(triangle, texels.width(), texels.height(), kTexelReach, [&](int x, int y, double d) {
             if (static_cast<float>(d) >= distance.at(x, y)) return;
             distance.at(x, y) = static_cast<float>(d);
             texels.face.at(x, y) = i;

@@ -1,4 +1,5 @@
 #include "compare/schemas.h"
+#include "geometry/units.h"
 #include "metrics/surface.h"
 #include "schema/schema.h"
 
@@ -13,9 +14,6 @@ namespace fs = std::filesystem;
 namespace {
 
 using Lines = std::vector<std::string>;
-
-constexpr double kMillimetres = 1000.0;
-constexpr double kDegrees = 57.29577951308232;
 
 std::string poses_text(const std::vector<std::pair<Rigid, Rigid>>& pairs)
 {

@@ -10,8 +10,8 @@
 namespace quoin {
 namespace {
 
-constexpr std::size_t kSamples = 50'000;
-constexpr double kReach = 0.1;                           // [m] between two surfaces of one plane
+constexpr std::size_t kMatchSamples = 50'000;
+constexpr double kMatchReach = 0.1;                      // [m] between two surfaces of one plane
 constexpr double kLargestAngle = std::numbers::pi / 6.0; // [rad] between their normals
 
 struct PlaneSize {
@@ -41,8 +41,8 @@ Votes count_votes(const PlaneMesh& first, const PlaneMesh& second)
     Votes votes;
     if (first.mesh.face.empty() || second.mesh.face.empty()) return votes;
     const NearestItem surface(second.mesh);
-    for (const auto& sample : sample_surface(first.mesh, kSamples)) {
-        const auto near = surface.find(sample.position, kReach);
+    for (const auto& sample : sample_surface(first.mesh, kMatchSamples)) {
+        const auto near = surface.find(sample.position, kMatchReach);
         if (!near) continue;
         const PlaneId a = first.face_plane[sample.face], b = second.face_plane[near->item];
         if (first.plane[a].normal.dot(second.plane[b].normal) > std::cos(kLargestAngle)) ++votes[{a, b}];

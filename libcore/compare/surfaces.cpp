@@ -1,6 +1,7 @@
 #include "base/parallel.h"
 #include "compare/plane_match.h"
 #include "compare/schemas.h"
+#include "geometry/units.h"
 #include "image/image_io.h"
 #include "metrics/image_quality.h"
 #include "metrics/surface.h"
@@ -18,8 +19,6 @@ using Lines = std::vector<std::string>;
 
 constexpr std::size_t kSamples = 50'000; // of each surface
 constexpr double kReach = 1.0;           // [m]; surfaces farther apart count as this far
-constexpr double kMillimetres = 1000.0;
-constexpr double kDegrees = 57.29577951308232;
 
 std::string distances_text(const TriangleMesh& from, const TriangleMesh& to)
 {

@@ -5,7 +5,7 @@
 namespace quoin {
 namespace {
 
-std::string header(const Emission& emission)
+std::string make_header(const Emission& emission)
 {
     std::string scans;
     std::string folders;
@@ -97,7 +97,7 @@ std::string make_text(const Emission& emission)
     require_plain_names(emission);
     const auto targets = stage_rules(emission, {"$(BIN)", "$(OUT)", "%", "$(SCAN_$*)", "$$"});
     const auto recipes = stage_rules(emission, {"$(BIN)", "$(OUT)", "$*", "$(SCAN_$*)", "$$"});
-    std::string text = header(emission) + all_target(targets) + definitions(!includes(targets).empty());
+    std::string text = make_header(emission) + all_target(targets) + definitions(!includes(targets).empty());
     for (std::size_t i = 0; i < targets.size(); ++i)
         text += rule_text(targets[i], recipes[i], targets);
     return text + includes(targets);

@@ -5,9 +5,9 @@
 namespace quoin {
 namespace {
 
-const PlaceNames kNames{"$bin", "$results", "$scan", "$folder", "$$"};
+const PlaceNames kNinjaNames{"$bin", "$results", "$scan", "$folder", "$$"};
 
-std::string header(const Emission& emission)
+std::string ninja_header(const Emission& emission)
 {
     return fmt::format(
         R"(# The pipeline '{}' for Ninja, written by `quoin emit ninja`. It needs the stage executables, not quoin.
@@ -68,8 +68,8 @@ std::string build_text(const Rule& rule, const std::vector<Rule>& rules, const N
 std::string ninja_text(const Emission& emission)
 {
     require_plain_names(emission);
-    const auto rules = stage_rules(emission, kNames);
-    std::string text = header(emission);
+    const auto rules = stage_rules(emission, kNinjaNames);
+    std::string text = ninja_header(emission);
     for (const auto& rule : rules)
         text += rule_text(rule);
     for (const auto& scan : emission.scans)

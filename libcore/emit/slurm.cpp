@@ -15,13 +15,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const PlaceNames kNames{R"("$bin")", R"("$results")", R"("$scan")", R"("$folder")", "$"};
+const PlaceNames kShellNames{R"("$bin")", R"("$results")", R"("$scan")", R"("$folder")", "$"};
 constexpr const char* kChain = "chain";
 
 std::vector<ArrayStage> stages_of(const Emission& emission, const std::vector<Forecast>& forecasts)
 {
     std::vector<ArrayStage> stages;
-    for (const auto& rule : stage_rules(emission, kNames))
+    for (const auto& rule : stage_rules(emission, kShellNames))
         stages.push_back({rule.stage, rule.after, std::vector<bool>(emission.scans.size(), false)});
     for (std::size_t i = 0; i < emission.tasks.size(); ++i) {
         const Task& task = emission.tasks[i];
@@ -266,7 +266,7 @@ std::string run_file(const Emission& emission)
                                          {"store", emission.layout.store.string()},
                                          {"stages", nlohmann::json::array()}};
     auto run = json;
-    for (const auto& rule : stage_rules(emission, kNames))
+    for (const auto& rule : stage_rules(emission, kShellNames))
         run["stages"].push_back(rule.stage);
     return run.dump(2) + "\n";
 }
@@ -283,7 +283,7 @@ std::vector<JobArray> slurm_arrays(const Emission& emission, const std::vector<F
 std::vector<SlurmScript> slurm_scripts(const Emission& emission, const std::vector<JobArray>& arrays,
                                        const std::map<std::string, StageCost>& costs, const SlurmOptions& options)
 {
-    const auto rules = stage_rules(emission, kNames);
+    const auto rules = stage_rules(emission, kShellNames);
     auto scripts = batch_scripts(emission, rules, costs, options);
     scripts.push_back({"scans.tsv", scans_table(emission.scans)});
     scripts.push_back({"stages.sh", stages_file(emission, rules, options)});

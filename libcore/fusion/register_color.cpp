@@ -9,7 +9,7 @@
 namespace quoin {
 namespace {
 
-constexpr float kFar = std::numeric_limits<float>::max();
+constexpr float kNoDepth = std::numeric_limits<float>::max();
 
 // Where a row of depth pixels lies in the colour image.
 struct ColorRow {
@@ -65,7 +65,7 @@ public:
         const double cell = kDepthPixels * std::max(1.0, static_cast<double>(scan.color.width) / scan.depth.width);
         per_pixel_ = static_cast<float>(1.0 / cell);
         nearest_ = Image<float>(static_cast<int>(scan.color.width / cell) + 1,
-                                static_cast<int>(scan.color.height / cell) + 1, kFar);
+                                static_cast<int>(scan.color.height / cell) + 1, kNoDepth);
     }
     void add(const ColorRow& row)
     {

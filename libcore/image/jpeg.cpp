@@ -14,15 +14,15 @@ namespace quoin {
 namespace {
 
 // libjpeg reports by a function that must not return: back to where the call began, with the words kept.
-struct Failure : jpeg_error_mgr {
+struct JpegFailure : jpeg_error_mgr {
     std::jmp_buf place;
     char words[JMSG_LENGTH_MAX] = {};
 
-    Failure()
+    JpegFailure()
     {
         jpeg_std_error(this);
         error_exit = [](j_common_ptr codec) {
-            auto* failure = static_cast<Failure*>(codec->err);
+            auto* failure = static_cast<JpegFailure*>(codec->err);
             failure->format_message(codec, failure->words);
             std::longjmp(failure->place, 1);
         };
@@ -32,20 +32,20 @@ struct Failure : jpeg_error_mgr {
 
 // Whether the calls to libjpeg in `step` went well; `step` holds nothing that has to be destroyed.
 template <class Step>
-bool succeeds(Failure& failure, const Step& step)
+bool succeeds(JpegFailure& failure, const Step& step)
 {
     if (setjmp(failure.place) != 0) return false;
     step();
     return true;
 }
 
-struct Decompressor : jpeg_decompress_struct {
-    ~Decompressor() { jpeg_destroy_decompress(this); }
+struct JpegDecompressor : jpeg_decompress_struct {
+    ~JpegDecompressor() { jpeg_destroy_decompress(this); }
 };
 
-class Reader {
+class JpegReader {
 public:
-    Reader(formats::Bytes bytes, const std::string& name) : name_(name)
+    JpegReader(formats::Bytes bytes, const std::string& name) : name_(name)
     {
         codec_.err = &failure_;
         run([&] {
@@ -54,8 +54,8 @@ public:
             jpeg_read_header(&codec_, TRUE);
         });
     }
-    Reader(const Reader&) = delete;
-    Reader& operator=(const Reader&) = delete;
+    JpegReader(const JpegReader&) = delete;
+    JpegReader& operator=(const JpegReader&) = delete;
 
     template <class Step>
     void run(const Step& step)
@@ -67,8 +67,8 @@ public:
 
 private:
     const std::string& name_;
-    Failure failure_;
-    Decompressor codec_{};
+    JpegFailure failure_;
+    JpegDecompressor codec_{};
 };
 
 class Writer {
@@ -117,7 +117,7 @@ private:
         jpeg_write_marker(&codec_, JPEG_APP0 + 1, kNoExif.data(), kNoExif.size());
     }
 
-    Failure failure_;
+    JpegFailure failure_;
     jpeg_compress_struct codec_{};
     unsigned char* file_ = nullptr; // malloc'ed by libjpeg
     unsigned long size_ = 0;
@@ -129,7 +129,7 @@ namespace formats {
 
 ImageInfo jpeg_info(Bytes bytes, const std::string& name)
 {
-    Reader reader(bytes, name);
+    JpegReader reader(bytes, name);
     const auto& header = reader.codec();
     return {static_cast<int>(header.image_width), static_cast<int>(header.image_height), header.num_components,
             header.data_precision};
@@ -137,7 +137,7 @@ ImageInfo jpeg_info(Bytes bytes, const std::string& name)
 
 std::optional<Raster> decode_jpeg(Bytes bytes, const std::string& name, const Request& request)
 {
-    Reader reader(bytes, name);
+    JpegReader reader(bytes, name);
     auto& codec = reader.codec();
     if (codec.num_components != 1 && codec.num_components != 3) return std::nullopt;
     codec.scale_num = 1;

@@ -15,14 +15,14 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "PNG keeps the high byte of 16 bits first");
 
 // libpng reports by a function that must not return: back to where the call began, with the words kept.
-struct Failure {
+struct PngFailure {
     std::jmp_buf place;
     char words[256] = {};
 };
 
 [[noreturn]] void fail(png_structp png, png_const_charp words)
 {
-    auto* failure = static_cast<Failure*>(png_get_error_ptr(png));
+    auto* failure = static_cast<PngFailure*>(png_get_error_ptr(png));
     std::strncpy(failure->words, words, sizeof(failure->words) - 1);
     std::longjmp(failure->place, 1);
 }
@@ -31,37 +31,37 @@ void ignore(png_structp, png_const_charp) {} // warnings: who reads photographs 
 
 // Whether the calls to libpng in `step` went well; `step` holds nothing that has to be destroyed.
 template <class Step>
-bool succeeds(Failure& failure, const Step& step)
+bool succeeds(PngFailure& failure, const Step& step)
 {
     if (setjmp(failure.place) != 0) return false;
     step();
     return true;
 }
 
-struct Decompressor {
+struct PngDecompressor {
     png_structp png;
     png_infop info;
 
-    explicit Decompressor(Failure& failure)
+    explicit PngDecompressor(PngFailure& failure)
         : png(png_create_read_struct(PNG_LIBPNG_VER_STRING, &failure, fail, ignore)),
           info(png ? png_create_info_struct(png) : nullptr)
     {
     }
-    Decompressor(const Decompressor&) = delete;
-    Decompressor& operator=(const Decompressor&) = delete;
-    ~Decompressor() { png_destroy_read_struct(&png, &info, nullptr); }
+    PngDecompressor(const PngDecompressor&) = delete;
+    PngDecompressor& operator=(const PngDecompressor&) = delete;
+    ~PngDecompressor() { png_destroy_read_struct(&png, &info, nullptr); }
 };
 
-class Reader {
+class PngReader {
 public:
-    Reader(formats::Bytes bytes, const std::string& name) : rest_(bytes), name_(name), codec_(failure_)
+    PngReader(formats::Bytes bytes, const std::string& name) : rest_(bytes), name_(name), codec_(failure_)
     {
         if (!codec_.info) throw ResourceError("no memory for decoding a PNG");
         png_set_read_fn(png(), this, read);
         run([&] { png_read_info(png(), info()); });
     }
-    Reader(const Reader&) = delete;
-    Reader& operator=(const Reader&) = delete;
+    PngReader(const PngReader&) = delete;
+    PngReader& operator=(const PngReader&) = delete;
 
     template <class Step>
     void run(const Step& step)
@@ -84,7 +84,7 @@ public:
 private:
     static void read(png_structp png, png_bytep target, std::size_t count)
     {
-        auto& rest = static_cast<Reader*>(png_get_io_ptr(png))->rest_;
+        auto& rest = static_cast<PngReader*>(png_get_io_ptr(png))->rest_;
         if (count > rest.size()) png_error(png, "it ends too early");
         std::memcpy(target, rest.data(), count);
         rest = rest.subspan(count);
@@ -92,12 +92,12 @@ private:
 
     formats::Bytes rest_; // what is not read yet
     const std::string& name_;
-    Failure failure_;
-    Decompressor codec_;
+    PngFailure failure_;
+    PngDecompressor codec_;
 };
 
 // What libpng does to each row on the way: to grey or RGB, without alpha, 8 or 16 bits.
-void choose_transforms(const Reader& reader, bool is_gray, bool is_narrow)
+void choose_transforms(const PngReader& reader, bool is_gray, bool is_narrow)
 {
     constexpr double kRed = 0.299, kGreen = 0.587; // Rec. 601 luma, as libjpeg's
     constexpr int kSilently = 1;
@@ -150,7 +150,7 @@ std::vector<std::byte> encode(const View& view)
 {
     if (view.width <= 0 || view.height <= 0) throw ResourceError("cannot encode a PNG: the image has no pixels");
     std::vector<std::byte> file;
-    Failure failure;
+    PngFailure failure;
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, &failure, fail, ignore);
     png_infop info = png ? png_create_info_struct(png) : nullptr;
     const bool is_written = info && succeeds(failure, [&] {
@@ -174,14 +174,14 @@ namespace formats {
 
 ImageInfo png_info(Bytes bytes, const std::string& name)
 {
-    const Reader reader(bytes, name);
+    const PngReader reader(bytes, name);
     return {reader.width(), reader.height(), (reader.has_color() ? 3 : 1) + (reader.has_alpha() ? 1 : 0),
             std::max(8, reader.bits())};
 }
 
 Raster decode_png(Bytes bytes, const std::string& name, const Request& request)
 {
-    Reader reader(bytes, name);
+    PngReader reader(bytes, name);
     const bool is_gray = request.as_gray || !reader.has_color();
     const bool is_narrow = request.as_gray || reader.bits() <= 8;
     Raster raster{reader.width(), reader.height(), is_gray ? 1 : 3, is_narrow ? 8 : 16, {}};

@@ -8,7 +8,7 @@
 namespace quoin {
 namespace {
 
-constexpr std::size_t kGrain = 1 << 14; // [vertices]
+constexpr std::size_t kVertexGrain = 1 << 14; // [vertices]
 
 // The half-edges of every edge, by its smaller vertex. Meshes are in Morton order, so that a bucket's half-edges lie
 // near each other in memory; sorting keys of all edges costs several times as much.
@@ -78,7 +78,7 @@ std::vector<std::uint32_t> opposite_half_edges(const TriangleMesh& mesh)
 {
     const EdgeBuckets buckets(mesh);
     std::vector<std::uint32_t> opposite(3 * mesh.face.size());
-    parallel_chunks(mesh.position.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    parallel_chunks(mesh.position.size(), kVertexGrain, [&](std::size_t begin, std::size_t end) {
         for_each_edge(mesh, buckets, begin, end, [&](const EdgeEnd* first, const EdgeEnd* last) {
             const auto faces = last - first;
             if (faces == 1) {

@@ -13,6 +13,8 @@ namespace quoin {
 inline constexpr std::uint32_t kBorderEdge = 0xffffffffu;
 inline constexpr std::uint32_t kNonManifoldEdge = 0xfffffffeu;
 
+inline bool is_half_edge(std::uint32_t opposite) { return opposite != kBorderEdge && opposite != kNonManifoldEdge; }
+
 // opposite[h]: the half-edge of the other face on the edge, whatever its direction; kBorderEdge on a mesh border,
 // kNonManifoldEdge when three or more faces share the edge.
 std::vector<std::uint32_t> opposite_half_edges(const TriangleMesh& mesh);

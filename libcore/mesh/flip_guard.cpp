@@ -9,7 +9,7 @@
 namespace quoin {
 namespace {
 
-constexpr std::size_t kGrain = 1 << 13;
+constexpr std::size_t kFlipGrain = 1 << 13;
 
 using Positions = std::vector<Eigen::Vector3f>;
 using Flags = std::vector<std::uint8_t>;
@@ -85,7 +85,7 @@ Postures FlipGuard::postures() const
             now.shape[f] = flat ? 0.0f : static_cast<float>(area_vector(mesh, f).norm() / longest);
             now.facing[f] = flat ? -1.0f : static_cast<float>(normal[f].dot(mesh_.plane[mesh_.face_plane[f]].normal));
         },
-        kGrain);
+        kFlipGrain);
     parallel_for(
         opposite_.size(),
         [&](std::size_t h) {
@@ -93,7 +93,7 @@ Postures FlipGuard::postures() const
             if (o == kBorderEdge || o == kNonManifoldEdge) return;
             now.unfold[h] = std::max(-1.0f, static_cast<float>(normal[h / 3].dot(normal[o / 3])));
         },
-        kGrain);
+        kFlipGrain);
     return now;
 }
 

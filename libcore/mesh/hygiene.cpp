@@ -11,7 +11,7 @@
 namespace quoin {
 namespace {
 
-constexpr std::size_t kGrain = 1 << 14;
+constexpr std::size_t kShapeGrain = 1 << 14;
 
 struct Edge {
     VertexId low = 0, high = 0;
@@ -94,7 +94,7 @@ void count_face_shapes(const TriangleMesh& mesh, const HygieneLimits& limits, Hy
         }
         return shapes;
     };
-    const auto total = parallel_reduce(mesh.face.size(), kGrain, Shapes{}, classify, [](Shapes a, Shapes b) {
+    const auto total = parallel_reduce(mesh.face.size(), kShapeGrain, Shapes{}, classify, [](Shapes a, Shapes b) {
         return Shapes{a.flat + b.flat, a.slivers + b.slivers};
     });
     found.zero_area_faces = total.flat;

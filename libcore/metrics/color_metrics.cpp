@@ -14,7 +14,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::Vector3f;
 
-constexpr std::size_t kGrain = 1024;
+constexpr std::size_t kColorGrain = 1024;
 
 Vector3d weights_at(const TriangleMesh& mesh, FaceId face, const Vector3d& point)
 {
@@ -58,7 +58,7 @@ void add_true_color(MetricList& list, const ColoredSurface& colored, const Groun
             real.pixels[i] = s.color;
             mask.pixels[i] = 1;
         },
-        kGrain);
+        kColorGrain);
     const auto seen = std::count_if(truth.sample.begin(), truth.sample.end(),
                                     [&](const TrueSample& s) { return params.observed(s); });
     const auto matched = std::count(mask.pixels.begin(), mask.pixels.end(), 1);

@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::size_t kGrain = 256;
+constexpr std::size_t kCreaseGrain = 256;
 
 struct CreaseLine {
     Segment3 ends;
@@ -84,7 +84,7 @@ double share_near(const std::vector<CreasePoint>& points, const NearestItem& tre
 {
     std::vector<std::optional<NearestPoint>> near(points.size());
     parallel_for(
-        points.size(), [&](std::size_t i) { near[i] = tree.find(points[i].position, tolerance); }, kGrain);
+        points.size(), [&](std::size_t i) { near[i] = tree.find(points[i].position, tolerance); }, kCreaseGrain);
     double all = 0.0, matched = 0.0;
     for (std::size_t i = 0; i < points.size(); ++i) {
         all += points[i].length;

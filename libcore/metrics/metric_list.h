@@ -1,15 +1,12 @@
 #pragma once
 
 #include "base/metrics.h"
+#include "geometry/units.h"
 
 #include <cmath>
-#include <numbers>
 #include <string>
 
 namespace quoin {
-
-inline constexpr double kMillimetres = 1000.0;               // in a metre
-inline constexpr double kDegrees = 180.0 / std::numbers::pi; // in a radian
 
 // Collects figures; one that could not be measured (NaN) is left out.
 class MetricList {

@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 
 constexpr double kLeastMatch = 0.5; // share of a true plane's points that its match must hold
 constexpr double kFragment = 0.05;  // model planes with a smaller share are not counted as its pieces
-constexpr std::size_t kGrain = 1024;
+constexpr std::size_t kVoteGrain = 1024;
 
 // The model's plane at every true sample that the scan saw; kNoPlane where the model has none.
 std::vector<PlaneId> plane_votes(const PlaneMesh& model, const GroundTruth& truth, const EvaluateParams& params)
@@ -30,7 +30,7 @@ std::vector<PlaneId> plane_votes(const PlaneMesh& model, const GroundTruth& trut
             if (near && face_normal(model.mesh, near->item).dot(s.normal.cast<double>()) >= least_cosine)
                 votes[i] = model.face_plane[near->item];
         },
-        kGrain);
+        kVoteGrain);
     return votes;
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr std::size_t kGrain = 1024;
+constexpr std::size_t kSampleGrain = 1024;
 constexpr int kRegisterRounds = 20;
 constexpr double kLeastReach = 0.02; // at which registration stops trimming harder [m]
 constexpr std::size_t kLeastPairs = 100;
@@ -55,7 +55,7 @@ std::vector<SurfaceSample> sample_surface(const TriangleMesh& mesh, std::size_t 
                                    weights[2] * corner(mesh, face, 2);
             samples[i] = {point, face_normal(mesh, face), weights, face};
         },
-        kGrain);
+        kSampleGrain);
     return samples;
 }
 
@@ -67,7 +67,7 @@ std::vector<double> distances(std::span<const Vector3d> points, const NearestIte
         [&](std::size_t i) {
             if (const auto near = surface.find(points[i], reach)) result[i] = near->distance;
         },
-        kGrain);
+        kSampleGrain);
     return result;
 }
 
@@ -129,7 +129,7 @@ Rigid register_surface(std::span<const SurfaceSample> model, const TriangleMesh&
             }
             return sum;
         };
-        NormalEquations sum = parallel_reduce(model.size(), kGrain, NormalEquations{}, accumulate, add);
+        NormalEquations sum = parallel_reduce(model.size(), kSampleGrain, NormalEquations{}, accumulate, add);
         if (sum.pairs < kLeastPairs) return Rigid::Identity();
         sum.A.diagonal().array() += 1e-9 * sum.A.diagonal().maxCoeff(); // a single plane leaves three directions free
         motion = orthonormalized(exp_twist(sum.A.ldlt().solve(sum.b)) * motion);

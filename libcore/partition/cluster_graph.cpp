@@ -12,7 +12,7 @@
 namespace quoin {
 namespace {
 
-constexpr std::size_t kGrain = 16384;
+constexpr std::size_t kClusterGrain = 16384;
 // Faces of a non-manifold edge are linked to this many of their successors; farther ones are neighbours through those.
 constexpr std::size_t kFanReach = 8;
 
@@ -152,7 +152,7 @@ ClusterGraph clusters_of_faces(const TriangleMesh& mesh, const std::vector<std::
             graph.cluster[f] = cluster_of_face(mesh, static_cast<FaceId>(f), graph.origin);
             graph.parent[f] = static_cast<ClusterId>(f);
         },
-        kGrain);
+        kClusterGrain);
     graph.edge.reserve(opposite.size() / 2);
     for (std::uint32_t h = 0; h < opposite.size(); ++h)
         if (opposite[h] != kNonManifoldEdge && opposite[h] != kBorderEdge && h < opposite[h])
@@ -178,6 +178,17 @@ double merge_cost(const ClusterGraph& graph, ClusterId a, ClusterId b)
     return std::isfinite(cost) ? cost : kForbidden;
 }
 
+void evaluate_costs(ClusterGraph& graph)
+{
+    parallel_for(
+        graph.edge.size(),
+        [&](std::size_t e) {
+            ClusterEdge& edge = graph.edge[e];
+            if (std::isnan(edge.cost)) edge.cost = merge_cost(graph, edge.a, edge.b);
+        },
+        kClusterGrain);
+}
+
 void join(ClusterGraph& graph, ClusterId a, ClusterId b)
 {
     Cluster& cluster = graph.cluster[a];
@@ -198,7 +209,7 @@ void rewire(ClusterGraph& graph, const std::vector<std::uint8_t>& changed)
             edge.b = std::max(a, b);
             if (changed[a] || changed[b]) edge.cost = kUnknownCost;
         },
-        kGrain);
+        kClusterGrain);
     std::erase_if(graph.edge, [](const ClusterEdge& edge) { return edge.a == edge.b; });
     sort_and_unique(graph.edge, graph.cluster.size());
 }

@@ -47,6 +47,10 @@ ClusterGraph clusters_of_faces(const TriangleMesh& mesh, const std::vector<std::
 
 // E(a + b) - E(a) - E(b) [m^4], or kForbidden where the union breaks a limit.
 double merge_cost(const ClusterGraph& graph, ClusterId a, ClusterId b);
+
+// Gives every edge whose cost is unknown its merge_cost.
+void evaluate_costs(ClusterGraph& graph);
+
 // May they be one plane? Each part is asked too, not only their union: in the sums of a wall a mug that hangs on it, or
 // the few faces of a fold, vanish.
 bool may_join(const Cluster& a, const Cluster& b, const MergeLimits& limits);

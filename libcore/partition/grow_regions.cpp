@@ -19,8 +19,6 @@ struct Region {
     double fitted_area;
 };
 
-bool is_face(std::uint32_t half_edge) { return half_edge != kBorderEdge && half_edge != kNonManifoldEdge; }
-
 // Faces by the angle to their most different neighbour, flattest first.
 std::vector<FaceId> rank_seeds(const ClusterGraph& graph, const std::vector<std::uint32_t>& opposite)
 {
@@ -29,7 +27,7 @@ std::vector<FaceId> rank_seeds(const ClusterGraph& graph, const std::vector<std:
         const Eigen::Vector3f normal = graph.cluster[f].facing.normalized();
         float worst = 0.0f;
         for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h)
-            if (is_face(opposite[h]))
+            if (is_half_edge(opposite[h]))
                 worst = std::max(worst, 1.0f - normal.dot(graph.cluster[opposite[h] / 3].facing.normalized()));
         if (normal.allFinite() && normal.squaredNorm() > 0.0f) bend[f] = worst;
     }
@@ -62,7 +60,7 @@ void grow_from(ClusterGraph& graph, FaceId seed, const std::vector<std::uint32_t
     for (std::size_t i = 0; i < queue.size(); ++i) {
         for (std::uint32_t h = 3 * queue[i]; h < 3 * queue[i] + 3; ++h) {
             const FaceId f = opposite[h] / 3;
-            if (!is_face(opposite[h]) || taken[f] || !fits(graph, region, f, limits)) continue;
+            if (!is_half_edge(opposite[h]) || taken[f] || !fits(graph, region, f, limits)) continue;
             join(graph, seed, f);
             taken[f] = 1;
             queue.push_back(f);

@@ -1,16 +1,13 @@
 #include "partition/merge_heap.h"
 
-#include "base/parallel.h"
 #include "base/progress.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace quoin {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
-constexpr std::size_t kGrain = 8192;
 
 // A heap of edges that knows where each edge is, so that costs change in place and no entry is ever stale. Entries have
 // their costs with them, and four children lie side by side: a comparison seldom looks elsewhere in memory.
@@ -150,17 +147,6 @@ private:
     std::vector<std::uint32_t> next_, first_, last_;
     std::vector<std::uint8_t> gone_;
 };
-
-void evaluate_costs(ClusterGraph& graph)
-{
-    parallel_for(
-        graph.edge.size(),
-        [&](std::size_t e) {
-            ClusterEdge& edge = graph.edge[e];
-            if (std::isnan(edge.cost)) edge.cost = merge_cost(graph, edge.a, edge.b);
-        },
-        kGrain);
-}
 
 } // namespace
 

@@ -4,7 +4,6 @@
 #include "base/progress.h"
 
 #include <atomic>
-#include <cmath>
 
 namespace quoin {
 namespace {
@@ -13,17 +12,6 @@ constexpr std::size_t kGrain = 8192;
 constexpr std::uint32_t kNoEdge = 0xffffffffu;
 // A round costs a pass over all edges: when it joins less than one cluster in this many, the heap is faster and exact.
 constexpr std::size_t kWorthwhile = 50;
-
-void evaluate_costs(ClusterGraph& graph)
-{
-    parallel_for(
-        graph.edge.size(),
-        [&](std::size_t e) {
-            ClusterEdge& edge = graph.edge[e];
-            if (std::isnan(edge.cost)) edge.cost = merge_cost(graph, edge.a, edge.b);
-        },
-        kGrain);
-}
 
 // Lowers best[c] to edge e if that is cheaper. The order of edges is total, so the outcome does not depend on who is
 // first.

@@ -12,7 +12,7 @@
 namespace quoin {
 namespace {
 
-struct Region {
+struct RegionFit {
     Moments sum; // about the mesh's centre
     Eigen::Vector3d facing = Eigen::Vector3d::Zero();
     double energy = 0.0;
@@ -23,8 +23,6 @@ struct Move {
     std::uint32_t to = 0;
     double gain = 0.0; // how much the objective falls [m^4]
 };
-
-bool is_face(std::uint32_t half_edge) { return half_edge != kBorderEdge && half_edge != kNonManifoldEdge; }
 
 class Refiner {
 public:
@@ -70,7 +68,7 @@ private:
     void add(FaceId f, std::uint32_t label)
     {
         if (label >= regions_.size()) regions_.resize(label + 1);
-        Region& region = regions_[label];
+        RegionFit& region = regions_[label];
         region.sum += moments(f);
         region.facing += 0.5 * area_vector(mesh_, f);
         ++region.faces;
@@ -79,7 +77,7 @@ private:
     bool on_border(FaceId f) const
     {
         for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h)
-            if (is_face(opposite_[h]) && label_[opposite_[h] / 3] != label_[f]) return true;
+            if (is_half_edge(opposite_[h]) && label_[opposite_[h] / 3] != label_[f]) return true;
         return false;
     }
 
@@ -101,7 +99,7 @@ private:
     {
         double length = 0.0;
         for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h)
-            if (is_face(opposite_[h]) && opposite_[h] / 3 != f && label_[opposite_[h] / 3] == label)
+            if (is_half_edge(opposite_[h]) && opposite_[h] / 3 != f && label_[opposite_[h] / 3] == label)
                 length += edge_length(h);
         return length;
     }
@@ -109,16 +107,16 @@ private:
     Move best_move(FaceId f) const
     {
         const std::uint32_t from = label_[f];
-        const Region& source = regions_[from];
+        const RegionFit& source = regions_[from];
         const Moments face = moments(f);
         const double left = source.energy - energy_of(source.sum - face, source.faces - 1);
         const double length_inside = shared_length(f, from);
         Move best{from, 0.0};
         for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h) {
-            if (!is_face(opposite_[h])) continue;
+            if (!is_half_edge(opposite_[h])) continue;
             const std::uint32_t to = label_[opposite_[h] / 3];
             if (to == from || (to == best.to && best.gain > 0.0)) continue;
-            const Region& target = regions_[to];
+            const RegionFit& target = regions_[to];
             const double shortened = shared_length(f, to) - length_inside;
             const double gain = left + target.energy - energy(target.sum + face) + border_weight_ * shortened;
             if (gain > best.gain || (gain == best.gain && gain > 0.0 && to < best.to)) best = {to, gain};
@@ -142,7 +140,7 @@ private:
 
     bool same_cluster(FaceId f, std::uint32_t half_edge) const
     {
-        return is_face(half_edge) && half_edge / 3 != f && label_[half_edge / 3] == label_[f];
+        return is_half_edge(half_edge) && half_edge / 3 != f && label_[half_edge / 3] == label_[f];
     }
 
     // Can one walk around corner k of f from one neighbour to the other without leaving the cluster?
@@ -170,7 +168,7 @@ private:
 
     bool acceptable(FaceId f, std::uint32_t to) const
     {
-        const Region& target = regions_[to];
+        const RegionFit& target = regions_[to];
         const Moments sum = target.sum + moments(f);
         const Eigen::Vector3d face = 0.5 * area_vector(mesh_, f), facing = target.facing + face;
         if (facing.norm() < limits_.min_facing * sum.area) return false;
@@ -183,7 +181,7 @@ private:
     {
         const Moments face = moments(f);
         const Eigen::Vector3d facing = 0.5 * area_vector(mesh_, f);
-        Region &source = regions_[label_[f]], &target = regions_[to];
+        RegionFit &source = regions_[label_[f]], &target = regions_[to];
         source.sum -= face;
         source.facing -= facing;
         source.energy = energy_of(source.sum, --source.faces);
@@ -193,7 +191,7 @@ private:
         label_[f] = to;
         if (on_border(f)) enqueue(f);
         for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h)
-            if (is_face(opposite_[h]) && on_border(opposite_[h] / 3)) enqueue(opposite_[h] / 3);
+            if (is_half_edge(opposite_[h]) && on_border(opposite_[h] / 3)) enqueue(opposite_[h] / 3);
     }
 
     const TriangleMesh& mesh_;
@@ -202,7 +200,7 @@ private:
     std::vector<std::uint32_t>& label_;
     double border_weight_;
     Eigen::Vector3d origin_;
-    std::vector<Region> regions_;
+    std::vector<RegionFit> regions_;
     std::deque<FaceId> queue_;
     std::vector<std::uint8_t> queued_;
 };

@@ -5,7 +5,7 @@
 namespace quoin {
 namespace {
 
-bool is_name(const std::string& text)
+bool is_placeholder(const std::string& text)
 {
     return !text.empty() && std::ranges::all_of(text, [](char c) {
         return std::isalnum(static_cast<unsigned char>(c)) || c == '.' || c == '_' || c == '-';
@@ -24,7 +24,7 @@ std::vector<Span> find_spans(const std::string& word)
         const std::size_t close = word.find('}', open);
         if (close == std::string::npos) break;
         const std::string name = word.substr(open + 1, close - open - 1);
-        if (is_name(name)) spans.push_back({open, close + 1, name});
+        if (is_placeholder(name)) spans.push_back({open, close + 1, name});
     }
     return spans;
 }

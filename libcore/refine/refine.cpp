@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "geometry/units.h"
 #include "mesh/adjacency.h"
 #include "mesh/creases.h"
 #include "mesh/flip_guard.h"
@@ -10,7 +11,6 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <numbers>
 #include <numeric>
 
 // Unknowns are the vertices X (V x 3). With the mass M_f of face f (face_mass), the pull p_f of its plane, the targets
@@ -24,8 +24,6 @@
 
 namespace quoin {
 namespace {
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 void check_planes(const PlaneMesh& mesh, const std::vector<Plane>& planes)
 {

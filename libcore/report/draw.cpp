@@ -60,7 +60,6 @@ ColorImage side_by_side(const std::vector<ColorImage>& images, int columns)
     columns = std::min(columns, static_cast<int>(images.size()));
     const int rows = (static_cast<int>(images.size()) + columns - 1) / columns;
     const int width = images[0].width, height = images[0].height;
-    constexpr Rgb8 kPaper{255, 255, 255};
     ColorImage sheet(columns * width, rows * height, kPaper);
     for (std::size_t i = 0; i < images.size(); ++i) {
         const int column = static_cast<int>(i) % columns, row = static_cast<int>(i) / columns;

@@ -7,6 +7,8 @@
 
 namespace quoin {
 
+inline constexpr Rgb8 kPaper{255, 255, 255}; // under every picture
+
 // A straight line `width` pixels wide, with soft edges.
 void draw_line(ColorImage& image, const Eigen::Vector2d& from, const Eigen::Vector2d& to, const Rgb8& color,
                double width);

@@ -13,7 +13,6 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr Rgb8 kPaper{255, 255, 255};
 constexpr int kSupersampling = 2;
 
 struct View {

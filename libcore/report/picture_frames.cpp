@@ -15,7 +15,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr Rgb8 kOrange{255, 106, 26}, kBlue{40, 140, 255}, kInk{40, 44, 48}, kPaper{255, 255, 255};
+constexpr Rgb8 kOrange{255, 106, 26}, kBlue{40, 140, 255}, kInk{40, 44, 48};
 
 std::vector<FrameId> evenly(const std::vector<FrameId>& frames, int count)
 {

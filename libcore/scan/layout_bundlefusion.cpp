@@ -62,9 +62,12 @@ Camera camera(const Entries& entries, const std::string& kind, const fs::path& p
             K(1, 2)};
 }
 
-bool recognises(const fs::path& folder) { return fs::is_regular_file(folder / "info.txt") && has_frame_files(folder); }
+bool is_bundlefusion(const fs::path& folder)
+{
+    return fs::is_regular_file(folder / "info.txt") && has_frame_files(folder);
+}
 
-Listing read(const fs::path& folder, double)
+Listing read_bundlefusion(const fs::path& folder, double)
 {
     const fs::path path = folder / "info.txt";
     const Entries entries = read_entries(path);
@@ -84,7 +87,7 @@ Listing read(const fs::path& folder, double)
 } // namespace
 
 const LayoutReader kBundleFusionReader{Layout::BundleFusion, "BundleFusion / 3DLite",
-                                       "info.txt and frame-000000.{color.jpg|png, depth.png, pose.txt}", recognises,
-                                       read};
+                                       "info.txt and frame-000000.{color.jpg|png, depth.png, pose.txt}",
+                                       is_bundlefusion, read_bundlefusion};
 
 } // namespace quoin

@@ -29,13 +29,13 @@ bool numbers_frames(const std::vector<std::vector<std::string>>& associations)
     });
 }
 
-bool recognises(const fs::path& folder)
+bool is_icl_nuim(const fs::path& folder)
 {
     const fs::path list = folder / "associations.txt";
     return fs::is_regular_file(list) && !trajectory_of(folder).empty() && numbers_frames(read_table(list));
 }
 
-Listing read(const fs::path& folder, double)
+Listing read_icl_nuim(const fs::path& folder, double)
 {
     constexpr double same_number = 0.5;
     Listing listing;
@@ -52,6 +52,6 @@ Listing read(const fs::path& folder, double)
 
 const LayoutReader kIclNuimReader{
     Layout::IclNuim, "ICL-NUIM (TUM form)",
-    "associations.txt whose times are frame numbers, and groundtruth.txt or *.gt.freiburg", recognises, read};
+    "associations.txt whose times are frame numbers, and groundtruth.txt or *.gt.freiburg", is_icl_nuim, read_icl_nuim};
 
 } // namespace quoin

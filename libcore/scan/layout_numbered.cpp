@@ -15,7 +15,7 @@ namespace quoin {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* kPoses = "truth_cam_poses.txt";
+constexpr const char* kTruthPoses = "truth_cam_poses.txt";
 
 // "Camera.fx: 535.4" lines. The files begin with "%YAML:1.0", which YAML parsers other than OpenCV's refuse.
 std::map<std::string, double> read_settings(const fs::path& path)
@@ -69,18 +69,18 @@ std::map<long, std::string> images_by_number(const fs::path& folder, const std::
     return images;
 }
 
-bool recognises(const fs::path& folder)
+bool is_numbered(const fs::path& folder)
 {
     return fs::is_directory(folder / "raw_imgs") && fs::is_directory(folder / "depth_imgs") &&
-           fs::is_regular_file(folder / kPoses);
+           fs::is_regular_file(folder / kTruthPoses);
 }
 
-Listing read(const fs::path& folder, double)
+Listing read_numbered(const fs::path& folder, double)
 {
     Listing listing;
     apply(kTumDefault, listing);
     if (const auto settings = settings_files(folder); !settings.empty()) apply_settings(settings.front(), listing);
-    const std::vector<TimedPose> trajectory = read_tum_trajectory(folder / kPoses);
+    const std::vector<TimedPose> trajectory = read_tum_trajectory(folder / kTruthPoses);
     const auto depths = images_by_number(folder, "depth_imgs");
     for (const auto& [number, color] : images_by_number(folder, "raw_imgs")) {
         ListedFrame frame;
@@ -99,6 +99,6 @@ Listing read(const fs::path& folder, double)
 
 const LayoutReader kNumberedReader{Layout::Numbered, "numbered images",
                                    "raw_imgs/, depth_imgs/, truth_cam_poses.txt and perhaps a .yaml with the camera",
-                                   recognises, read};
+                                   is_numbered, read_numbered};
 
 } // namespace quoin

@@ -83,12 +83,12 @@ std::vector<std::string> depth_partners(const std::vector<std::string>& colors, 
     return partners;
 }
 
-bool recognises(const fs::path& folder)
+bool is_redwood(const fs::path& folder)
 {
     return !color_folder(folder).empty() && fs::is_directory(folder / "depth") && !log_of(folder).empty();
 }
 
-Listing read(const fs::path& folder, double)
+Listing read_redwood(const fs::path& folder, double)
 {
     Listing listing;
     apply(kPrimeSense, listing);
@@ -109,6 +109,6 @@ Listing read(const fs::path& folder, double)
 
 const LayoutReader kRedwoodReader{Layout::Redwood, "Open3D / Redwood",
                                   "image/ (or color/, rgb/), depth/, trajectory.log and perhaps camera_intrinsic.json",
-                                  recognises, read};
+                                  is_redwood, read_redwood};
 
 } // namespace quoin

@@ -40,7 +40,7 @@ FrameJson read_json(const fs::path& path)
     return frame;
 }
 
-double median(std::vector<double> values)
+double middle_of(std::vector<double> values)
 {
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::ranges::nth_element(values, middle);
@@ -54,18 +54,18 @@ Camera median_camera(const std::vector<FrameJson>& frames)
         std::vector<double> values;
         for (const FrameJson& frame : frames)
             values.push_back(frame.intrinsics[index]);
-        return median(std::move(values));
+        return middle_of(std::move(values));
     };
     return {0, 0, entry(0), entry(4), entry(2), entry(5)};
 }
 
-bool recognises(const fs::path& folder)
+bool is_scanner_app(const fs::path& folder)
 {
     return std::any_of(fs::directory_iterator(folder), fs::directory_iterator(),
                        [](const fs::directory_entry& entry) { return is_frame_json(entry.path()); });
 }
 
-Listing read(const fs::path& folder, double)
+Listing read_scanner_app(const fs::path& folder, double)
 {
     std::vector<fs::path> paths;
     for (const auto& entry : fs::directory_iterator(folder))
@@ -91,6 +91,6 @@ Listing read(const fs::path& folder, double)
 } // namespace
 
 const LayoutReader kScannerAppReader{Layout::ScannerApp, "3D Scanner App (iPhone LiDAR)",
-                                     "frame_00000.{jpg, json} and depth_00000.png", recognises, read};
+                                     "frame_00000.{jpg, json} and depth_00000.png", is_scanner_app, read_scanner_app};
 
 } // namespace quoin

@@ -12,9 +12,9 @@ namespace quoin {
 namespace fs = std::filesystem;
 namespace {
 
-bool recognises(const fs::path& folder) { return has_frame_files(folder); }
+bool is_seven_scenes(const fs::path& folder) { return has_frame_files(folder); }
 
-Listing read(const fs::path& folder, double)
+Listing read_seven_scenes(const fs::path& folder, double)
 {
     Listing listing;
     apply(kKinect7Scenes, listing);
@@ -33,6 +33,7 @@ Listing read(const fs::path& folder, double)
 
 const LayoutReader kSevenScenesReader{
     Layout::SevenScenes, "7-Scenes / 3DMatch",
-    "frame-000000.{color.jpg|png, depth.png, pose.txt} and perhaps camera-intrinsics.txt", recognises, read};
+    "frame-000000.{color.jpg|png, depth.png, pose.txt} and perhaps camera-intrinsics.txt", is_seven_scenes,
+    read_seven_scenes};
 
 } // namespace quoin

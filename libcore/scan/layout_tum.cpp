@@ -8,7 +8,7 @@ namespace quoin {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* kPoses = "groundtruth.txt";
+constexpr const char* kGroundTruth = "groundtruth.txt";
 
 bool has(const fs::path& folder, const char* name) { return fs::is_regular_file(folder / name); }
 
@@ -17,7 +17,7 @@ const PublishedSensor& sensor_of(const fs::path& folder)
 {
     const fs::path path = fs::absolute(folder / "").parent_path().lexically_normal();
     std::string text = path.filename().string();
-    for (const char* name : {"rgb.txt", "depth.txt", kPoses})
+    for (const char* name : {"rgb.txt", "depth.txt", kGroundTruth})
         if (has(folder, name)) text += read_text(folder / name).substr(0, 400); // the comments come first
     const auto names = [&](const char* number) {
         return text.find(std::string("freiburg") + number) != std::string::npos ||
@@ -28,13 +28,13 @@ const PublishedSensor& sensor_of(const fs::path& folder)
     return names("3") ? kTumFreiburg3 : kTumDefault;
 }
 
-bool recognises(const fs::path& folder)
+bool is_tum(const fs::path& folder)
 {
-    return has(folder, kPoses) &&
+    return has(folder, kGroundTruth) &&
            (has(folder, "associations.txt") || (has(folder, "rgb.txt") && has(folder, "depth.txt")));
 }
 
-Listing read(const fs::path& folder, double max_time_gap)
+Listing read_tum(const fs::path& folder, double max_time_gap)
 {
     Listing listing;
     apply(sensor_of(folder), listing);
@@ -42,13 +42,13 @@ Listing read(const fs::path& folder, double max_time_gap)
     listing.frames = has(folder, "rgb.txt") && has(folder, "depth.txt")
                          ? associate_lists(folder, max_time_gap, listing.absent)
                          : read_associations(folder, listing.absent);
-    set_poses(listing.frames, folder / kPoses, max_time_gap);
+    set_poses(listing.frames, folder / kGroundTruth, max_time_gap);
     return listing;
 }
 
 } // namespace
 
 const LayoutReader kTumReader{Layout::Tum, "TUM RGB-D",
-                              "groundtruth.txt with rgb.txt and depth.txt, or with associations.txt", recognises, read};
+                              "groundtruth.txt with rgb.txt and depth.txt, or with associations.txt", is_tum, read_tum};
 
 } // namespace quoin

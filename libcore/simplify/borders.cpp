@@ -1,30 +1,28 @@
 #include "simplify/borders.h"
 
+#include "geometry/units.h"
 #include "simplify/collapse_mesh.h"
 #include "simplify/curve_fit.h"
 
 #include <cmath>
-#include <numbers>
 #include <queue>
 #include <tuple>
 
 namespace quoin {
 namespace {
 
-constexpr int kMaxPasses = 8; // contractions open others; few are left after two or three passes
+constexpr int kBorderPasses = 8; // contractions open others; few are left after two or three passes
 
-struct Candidate {
+struct BorderContraction {
     double cost = 0.0;
     std::uint32_t first = 0, second = 0; // slots of the edge
     std::uint32_t first_version = 0, second_version = 0;
 
-    bool operator>(const Candidate& other) const
+    bool operator>(const BorderContraction& other) const
     {
         return std::tie(cost, first, second) > std::tie(other.cost, other.first, other.second);
     }
 };
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 class BorderSimplifier {
 public:
@@ -40,7 +38,7 @@ public:
     {
         const std::size_t before = remaining_;
         int pass = 0;
-        while (pass < kMaxPasses && contract_all())
+        while (pass < kBorderPasses && contract_all())
             ++pass;
         return before - remaining_;
     }
@@ -66,7 +64,7 @@ private:
     ShapeLimits limits_;
     std::vector<Quadric> quadric_;       // one per slot
     std::vector<std::uint32_t> version_; // one per slot
-    std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> heap_;
+    std::priority_queue<BorderContraction, std::vector<BorderContraction>, std::greater<>> heap_;
     std::size_t remaining_ = 0; // edges of curves
     std::size_t keep_ = 0;      // of them at least
 };
@@ -97,7 +95,7 @@ bool BorderSimplifier::contract_all()
         } while (s != Curves::kNone && s != c.head);
     }
     while (!heap_.empty() && remaining_ > keep_) {
-        const Candidate best = heap_.top();
+        const BorderContraction best = heap_.top();
         heap_.pop();
         if (version_[best.first] == best.first_version && version_[best.second] == best.second_version)
             try_contract(best.first, best.second);

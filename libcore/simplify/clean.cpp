@@ -76,7 +76,7 @@ std::vector<std::uint8_t> repeated_faces(const TriangleMesh& mesh)
 }
 
 // An edge of a face as it is sorted: faces of one edge side by side, those of one plane next to each other.
-struct EdgeUse {
+struct CrowdedUse {
     VertexId low = 0, high = 0;
     PlaneId plane = 0;
     std::uint32_t half_edge = 0;
@@ -107,25 +107,25 @@ private:
     void join_fans()
     {
         const auto opposite = opposite_half_edges(mesh_.mesh);
-        std::vector<EdgeUse> crowded;
+        std::vector<CrowdedUse> crowded;
         for (std::uint32_t h = 0; h < opposite.size(); ++h) {
             if (opposite[h] == kNonManifoldEdge)
                 crowded.push_back(use_of(h));
             else if (opposite[h] != kBorderEdge && h < opposite[h])
                 join(h, opposite[h]);
         }
-        std::sort(crowded.begin(), crowded.end(), [](const EdgeUse& a, const EdgeUse& b) {
+        std::sort(crowded.begin(), crowded.end(), [](const CrowdedUse& a, const CrowdedUse& b) {
             return std::tie(a.low, a.high, a.plane, a.half_edge) < std::tie(b.low, b.high, b.plane, b.half_edge);
         });
         for (std::size_t i = 0; i + 1 < crowded.size(); ++i) {
-            const EdgeUse &a = crowded[i], &b = crowded[i + 1];
+            const CrowdedUse &a = crowded[i], &b = crowded[i + 1];
             if (a.low != b.low || a.high != b.high || a.plane != b.plane || a.upwards == b.upwards) continue;
             join(a.half_edge, b.half_edge);
             ++i;
         }
     }
 
-    EdgeUse use_of(std::uint32_t h) const
+    CrowdedUse use_of(std::uint32_t h) const
     {
         const VertexId a = mesh_.mesh.face[h / 3][h % 3], b = mesh_.mesh.face[h / 3][(h % 3 + 1) % 3];
         return {std::min(a, b), std::max(a, b), mesh_.face_plane[h / 3], h, a < b};

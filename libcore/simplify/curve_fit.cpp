@@ -1,16 +1,14 @@
 #include "simplify/curve_fit.h"
 
+#include "geometry/units.h"
 #include "mesh/creases.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <span>
 
 namespace quoin {
 namespace {
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 // From the nearest point of the segment ab to p.
 Eigen::Vector3d offset_from_segment(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b)

@@ -2,11 +2,11 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "geometry/units.h"
 #include "simplify/patch.h"
 #include "simplify/quadric.h"
 
 #include <cmath>
-#include <numbers>
 #include <numeric>
 #include <queue>
 
@@ -17,10 +17,8 @@
 namespace quoin {
 namespace {
 
-constexpr int kMaxPasses = 8;      // contractions open others; few are left after two or three passes
+constexpr int kInnerPasses = 8;    // contractions open others; few are left after two or three passes
 constexpr int kDelaunaySweeps = 8; // flips die out geometrically
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
 
 struct InnerQuadric {
     Quadric faces;
@@ -34,12 +32,12 @@ struct InnerQuadric {
     }
 };
 
-struct Candidate {
+struct InnerContraction {
     double cost = 0.0;
     VertexId from = 0, to = 0; // `from` is inner and goes; when both are inner, from > to
     std::uint32_t from_version = 0, to_version = 0;
 
-    bool operator>(const Candidate& other) const
+    bool operator>(const InnerContraction& other) const
     {
         return std::tie(cost, from, to) > std::tie(other.cost, other.from, other.to);
     }
@@ -58,7 +56,7 @@ public:
 
     void run()
     {
-        for (int pass = 0; pass < kMaxPasses; ++pass) {
+        for (int pass = 0; pass < kInnerPasses; ++pass) {
             const bool contracted = contract_all();
             const bool flipped = params_.improve_shape && flip_to_delaunay(patch_, limits_, kDelaunaySweeps) > 0;
             if (!contracted && (!flipped || pass > 0)) break;
@@ -90,7 +88,7 @@ private:
     ShapeLimits limits_;
     std::vector<InnerQuadric> quadric_;  // inner vertices
     std::vector<std::uint32_t> version_; // of a vertex's quadric and faces
-    std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> heap_;
+    std::priority_queue<InnerContraction, std::vector<InnerContraction>, std::greater<>> heap_;
     std::vector<VertexId> ring_;
     std::size_t remaining_; // inner vertices
     std::size_t keep_;      // of them at least
@@ -116,7 +114,7 @@ bool PatchSimplifier::contract_all()
     const std::size_t before = remaining_;
     collect_candidates();
     while (!heap_.empty() && remaining_ > keep_) {
-        const Candidate best = heap_.top();
+        const InnerContraction best = heap_.top();
         heap_.pop();
         if (version_[best.from] != best.from_version || version_[best.to] != best.to_version) continue;
         const Eigen::Vector3d x = target(best.from, best.to);

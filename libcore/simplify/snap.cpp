@@ -1,20 +1,18 @@
 #include "simplify/snap.h"
 
 #include "base/parallel.h"
+#include "geometry/units.h"
 #include "mesh/adjacency.h"
 #include "mesh/creases.h"
 #include "mesh/flip_guard.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace quoin {
 namespace {
 
-constexpr std::size_t kGrain = 1 << 12;
-
-double radians(double degrees) { return degrees * std::numbers::pi / 180.0; }
+constexpr std::size_t kSnapGrain = 1 << 12;
 
 // The one other plane behind two edges of a face; kNoPlane if there is none.
 PlaneId plane_behind_ear(const PlaneMesh& mesh, const std::vector<std::uint32_t>& opposite, FaceId f)
@@ -100,7 +98,7 @@ void snap_to_planes(PlaneMesh& mesh, const SimplifyParams& params)
     parallel_for(
         before.size(),
         [&](std::size_t v) { snap(mesh, static_cast<VertexId>(v), planes_at.of(static_cast<VertexId>(v)), params); },
-        kGrain);
+        kSnapGrain);
     hold_back_flips(mesh, before, {.min_cosine = std::cos(radians(params.max_deviation))});
 }
 

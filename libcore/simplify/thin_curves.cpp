@@ -10,14 +10,14 @@
 namespace quoin {
 namespace {
 
-constexpr std::size_t kGrain = 16; // [curves]
+constexpr std::size_t kCurveGrain = 16; // [curves]
 
-struct Candidate {
+struct CurveContraction {
     double cost = 0.0;
     std::uint32_t first = 0, second = 0; // slots of the edge
     std::uint32_t first_version = 0, second_version = 0;
 
-    bool operator>(const Candidate& other) const
+    bool operator>(const CurveContraction& other) const
     {
         return std::tie(cost, first, second) > std::tie(other.cost, other.first, other.second);
     }
@@ -67,7 +67,7 @@ private:
     {
         for_each_edge(curve, [&](std::uint32_t s) { push(s); });
         while (!heap_.empty() && edges_ > least_edges) {
-            const Candidate best = heap_.top();
+            const CurveContraction best = heap_.top();
             heap_.pop();
             if (slots_.version[best.first] == best.first_version && slots_.version[best.second] == best.second_version)
                 try_join(curve, best.first, best.second);
@@ -116,7 +116,7 @@ private:
     SlotState& slots_;
     Curves& curves_;
     std::vector<Eigen::Vector3d>& position_;
-    std::priority_queue<Candidate, std::vector<Candidate>, std::greater<>> heap_;
+    std::priority_queue<CurveContraction, std::vector<CurveContraction>, std::greater<>> heap_;
     std::size_t edges_ = 0; // left
 };
 
@@ -127,7 +127,7 @@ void thin_curves(const PlaneMesh& planes, std::span<const CurveId> which, const 
 {
     const CurveFit fit(planes, curves, position, params);
     SlotState slots{std::vector<Quadric>(curves.size()), std::vector<std::uint32_t>(curves.size(), 0)};
-    parallel_chunks(which.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    parallel_chunks(which.size(), kCurveGrain, [&](std::size_t begin, std::size_t end) {
         CurveThinner thinner(fit, bounds, slots, curves, position);
         for (std::size_t i = begin; i < end; ++i)
             thinner.run(which[i]);

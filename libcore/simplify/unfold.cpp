@@ -16,7 +16,7 @@ constexpr double kFoldedCosine = -0.5; // between faces on one edge
 constexpr double kZeroHeight = 1e-6;   // [m]
 // How bad a face without area and one that looks away are, in folded edges: the rim of a sheet may be one in the end.
 constexpr int kZeroWeight = 4, kFlippedWeight = 2;
-constexpr int kMaxPasses = 8; // few defects are left after two or three
+constexpr int kUnfoldPasses = 8; // few defects are left after two or three
 
 using Triangle = std::array<Eigen::Vector3d, 3>;
 
@@ -126,7 +126,7 @@ public:
     std::size_t run()
     {
         std::size_t changes = 0;
-        for (int pass = 0; pass < kMaxPasses; ++pass) {
+        for (int pass = 0; pass < kUnfoldPasses; ++pass) {
             const std::size_t before = changes;
             for (FaceId f = 0; f < mesh_.face_count(); ++f)
                 while (mesh_.alive(f) && is_defective(f) && improve(f))

@@ -7,20 +7,20 @@
 namespace quoin {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
-Json json_of(const ParamValue& value)
+OrderedJson json_of(const ParamValue& value)
 {
-    return std::visit([](const auto& v) { return Json(v); }, value);
+    return std::visit([](const auto& v) { return OrderedJson(v); }, value);
 }
 
-Json describe_param(const ParamSpec& spec)
+OrderedJson describe_param(const ParamSpec& spec)
 {
-    Json json = {{"name", spec.name},
-                 {"type", type_name(spec.type)},
-                 {"default", json_of(spec.default_value)},
-                 {"unit", spec.unit},
-                 {"doc", spec.doc}};
+    OrderedJson json = {{"name", spec.name},
+                        {"type", type_name(spec.type)},
+                        {"default", json_of(spec.default_value)},
+                        {"unit", spec.unit},
+                        {"doc", spec.doc}};
     if (std::isfinite(spec.min)) json["min"] = spec.min;
     if (std::isfinite(spec.max)) json["max"] = spec.max;
     if (!spec.choices.empty()) json["choices"] = spec.choices;
@@ -29,9 +29,9 @@ Json describe_param(const ParamSpec& spec)
     return json;
 }
 
-Json describe_ports(const std::vector<Port>& ports)
+OrderedJson describe_ports(const std::vector<Port>& ports)
 {
-    Json list = Json::array();
+    OrderedJson list = OrderedJson::array();
     for (const auto& port : ports)
         list.push_back({{"port", port.name},
                         {"schema", port.schema_name()},
@@ -66,10 +66,10 @@ std::string ports_help(const char* title, const char* flag, const std::vector<Po
 
 std::string describe_json(const Stage& stage, const std::vector<ParamSpec>& params)
 {
-    Json list = Json::array();
+    OrderedJson list = OrderedJson::array();
     for (const auto& spec : params)
         list.push_back(describe_param(spec));
-    const Json json = {
+    const OrderedJson json = {
         {"name", stage.name},
         {"summary", stage.summary},
         {"impl", implementation_of(stage)},

@@ -40,7 +40,7 @@ Decal poster(CounterRandom& random, const Vector2d& corner, const Vector2d& size
     return {corner, size, draw_poster(style, size, kInkPixel, any_seed(random))};
 }
 
-Rgb8 as_rgb8(const Vector3f& color)
+Rgb8 truncated_rgb8(const Vector3f& color)
 {
     return {static_cast<std::uint8_t>(color.x() * 255), static_cast<std::uint8_t>(color.y() * 255),
             static_cast<std::uint8_t>(color.z() * 255)};
@@ -57,7 +57,8 @@ void add_books(RoomBuilder& builder, const Vector3d& low, double high_x, double 
         if (x + thick > high_x) break;
         if (random.uniform() < 0.85) {
             const Vector3f cover = any_tint(random, random.uniform(0.2, 0.8));
-            const Label spine{titles[random.below(titles.size())], {240, 235, 220}, as_rgb8(cover * 0.8f), false};
+            const Label spine{
+                titles[random.below(titles.size())], {240, 235, 220}, truncated_rgb8(cover * 0.8f), false};
             const SideDecal decal{Side::Front, label(spine, {0.003, 0.02}, {thick - 0.006, tall - 0.04})};
             builder.add_box({{x, low.y(), low.z()}, {x + thick, low.y() + deep, low.z() + tall}},
                             {Pattern::Paper, cover, cover, any_seed(random)}, {decal});

@@ -20,7 +20,7 @@ constexpr double kAmbient = 0.92;     // light from a far surface, of that on a 
 constexpr double kAmbientReach = 1.2; // surfaces nearer than this give less [m]
 constexpr double kLightGain = 6.0;    // of the lamps, against the ambient light
 constexpr double kShoulder = 0.30;    // compression of bright places
-constexpr double kLift = 1e-3;        // of ray origins off their surface [m]
+constexpr double kRayLift = 1e-3;     // of ray origins off their surface [m]
 
 struct SurfacePoint {
     Vector3d position, normal;
@@ -129,7 +129,7 @@ LightGrid cast_light(const Room& room, const std::vector<Facet>& facets, const R
         for (int x = 0; x < grid.width; ++x) {
             const Vector2d uv = grid.corner + grid.cell.cwiseProduct(Vector2d(x + 0.5, y + 0.5));
             SurfacePoint point = locate(room, surface, uv);
-            point.position += kLift * point.normal;
+            point.position += kRayLift * point.normal;
             const CounterRandom random(surface, RandomPurpose::Light, static_cast<std::uint64_t>(y),
                                        static_cast<std::uint64_t>(x));
             const DomeLight dome = dome_light(facets, rays, point, random);

@@ -16,12 +16,12 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kLift = 1e-3;         // of points off their surface when asking who sees them [m]
+constexpr double kSightLift = 1e-3;    // of points off their surface when asking who sees them [m]
 constexpr double kCreaseStep = 0.02;   // between points of a crease [m]
 constexpr double kBesideCrease = 0.01; // where a side of a crease is looked at [m]
 constexpr double kEnoughViews = 1;
 
-Rgb8 as_rgb8(const Eigen::Vector3f& color)
+Rgb8 rounded_rgb8(const Eigen::Vector3f& color)
 {
     const auto byte = [](float v) { return static_cast<std::uint8_t>(std::clamp(v + 0.5f, 0.0f, 255.0f)); };
     return {byte(color.x()), byte(color.y()), byte(color.z())};
@@ -49,7 +49,7 @@ void add_split(GroundTruth& truth, const PaintedRoom& room, const Facet& facet, 
     const auto first = static_cast<VertexId>(truth.mesh.position.size());
     for (std::size_t k = 0; k < 3; ++k) {
         truth.mesh.position.push_back(facet.corner[k].cast<float>());
-        truth.mesh.color.push_back(as_rgb8(room.color_at(facet.surface, facet.uv[k])));
+        truth.mesh.color.push_back(rounded_rgb8(room.color_at(facet.surface, facet.uv[k])));
     }
     truth.mesh.face.push_back({first, first + 1, first + 2});
     truth.face_plane.push_back(facet.surface < room.room.planar.size() ? facet.surface : kNoPlane);
@@ -97,7 +97,7 @@ public:
     }
     std::uint32_t count(const Vector3d& point, const Vector3d& normal) const
     {
-        const Vector3d lifted = point + kLift * normal;
+        const Vector3d lifted = point + kSightLift * normal;
         return static_cast<std::uint32_t>(
             std::count_if(views_.begin(), views_.end(), [&](const View& view) { return sees(view, lifted, normal); }));
     }
@@ -140,8 +140,8 @@ std::vector<TrueSample> draw_samples(const PaintedRoom& room, const Observers& o
             const Vector2d uv = (1.0 - root) * facet.uv[0] + b * facet.uv[1] + c * facet.uv[2];
             const Vector3d normal = facet.area_vector().normalized();
             const PlaneId plane = facet.surface < room.room.planar.size() ? facet.surface : kNoPlane;
-            samples[i] = {point.cast<float>(), normal.cast<float>(), as_rgb8(room.color_at(facet.surface, uv)), plane,
-                          observers.count(point, normal)};
+            samples[i] = {point.cast<float>(), normal.cast<float>(), rounded_rgb8(room.color_at(facet.surface, uv)),
+                          plane, observers.count(point, normal)};
             progress.step();
         },
         256);

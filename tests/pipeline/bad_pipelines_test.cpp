@@ -3,10 +3,10 @@
 #include "build_paths.h"
 #include "pipeline/fake_stages.h"
 #include "support/command.h"
+#include "support/file_text.h"
 
 #include <fstream>
 #include <gmock/gmock.h>
-#include <sstream>
 
 namespace quoin {
 namespace {
@@ -14,13 +14,6 @@ namespace {
 namespace fs = std::filesystem;
 
 const fs::path kFolder = QUOIN_SOURCE_DIR "/tests/pipeline/bad";
-
-std::string read(const fs::path& path)
-{
-    std::ostringstream text;
-    text << std::ifstream(path).rdbuf();
-    return text.str();
-}
 
 std::vector<std::string> names()
 {
@@ -54,7 +47,8 @@ protected:
 TEST_P(BadPipeline, IsRefusedWithTheWordsBesideIt)
 {
     const fs::path arguments = kFolder / (GetParam() + ".arguments");
-    const std::string line = fs::exists(arguments) ? read(arguments) : "run " + GetParam() + ".yaml --scan ROOM";
+    const std::string line =
+        fs::exists(arguments) ? test::file_text(arguments) : "run " + GetParam() + ".yaml --scan ROOM";
     const auto result =
         test::run_command("cd '" + kFolder.string() + "' && QUOIN_STAGES='" + stages_.folder().string() +
                           "' QUOIN_CONFIGS='" + room_.path().string() + "' QUOIN_PIPELINES=. '" +
@@ -63,7 +57,7 @@ TEST_P(BadPipeline, IsRefusedWithTheWordsBesideIt)
     const std::string said = with(with(result.output, kFolder.string() + "/", ""), room_.path().string(), "ROOM");
     const fs::path expected = kFolder / (GetParam() + ".expected");
     if (std::getenv("QUOIN_WRITE_EXPECTED")) std::ofstream(expected) << said;
-    EXPECT_EQ(said, read(expected));
+    EXPECT_EQ(said, test::file_text(expected));
     EXPECT_TRUE(stages_.log().empty());
     EXPECT_FALSE(fs::exists(kFolder / "out"));
 }

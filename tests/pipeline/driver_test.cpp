@@ -2,12 +2,12 @@
 // half-written.
 #include "build_paths.h"
 #include "pipeline/fake_stages.h"
+#include "support/file_text.h"
 
 #include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <gmock/gmock.h>
-#include <sstream>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -19,14 +19,6 @@ using test::FakeStages;
 using test::TemporaryFolder;
 using testing::AllOf;
 using testing::HasSubstr;
-
-std::string read(const fs::path& path)
-{
-    std::ifstream file(path);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-}
 
 struct Finished {
     int code = 0;
@@ -60,8 +52,8 @@ protected:
     {
         int status = 0;
         ::waitpid(pid, &status, 0);
-        return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read(folder_.path() / "stdout"),
-                read(folder_.path() / "stderr")};
+        return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status),
+                test::file_text(folder_.path() / "stdout"), test::file_text(folder_.path() / "stderr")};
     }
 
     Finished quoin(const std::string& arguments) { return finish(start(arguments)); }

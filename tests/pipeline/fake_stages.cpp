@@ -1,9 +1,9 @@
 #include "pipeline/fake_stages.h"
 
 #include "artifact/artifact.h"
+#include "support/file_text.h"
 
 #include <fstream>
-#include <sstream>
 
 namespace quoin::test {
 namespace fs = std::filesystem;
@@ -92,14 +92,6 @@ std::string script(const FakeStage& stage)
            name + " >> $here/log\n";
 }
 
-std::string read(const fs::path& path)
-{
-    std::ifstream file(path);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-}
-
 } // namespace
 
 FakeStages::FakeStages(const std::vector<FakeStage>& stages)
@@ -122,6 +114,6 @@ std::vector<std::string> FakeStages::log() const
     return lines;
 }
 
-std::string FakeStages::arguments(const std::string& name) const { return read(folder() / (name + ".arguments")); }
+std::string FakeStages::arguments(const std::string& name) const { return file_text(folder() / (name + ".arguments")); }
 
 } // namespace quoin::test

@@ -7,7 +7,7 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string problems_of(const std::string& text)
+std::string yaml_problems(const std::string& text)
 {
     Problems problems;
     parse_yaml("p.yaml", text, problems);
@@ -27,7 +27,7 @@ TEST(Yaml, KnowsWhereEveryNodeStands)
 
 TEST(Yaml, RefusesAKeyThatStandsTwice)
 {
-    EXPECT_EQ(problems_of("a: 1\nb: 2\na: 3\n"),
+    EXPECT_EQ(yaml_problems("a: 1\nb: 2\na: 3\n"),
               "p.yaml:3:1: key 'a' stands here a second time; the first is in line 1\n"
               "  3 | a: 3\n"
               "    | ^");
@@ -35,25 +35,26 @@ TEST(Yaml, RefusesAKeyThatStandsTwice)
 
 TEST(Yaml, RefusesTheSecondOfTwoEqualKeysInAFlowMap)
 {
-    EXPECT_THAT(problems_of("s: {x: 1, y: 2, x: 3}\n"), HasSubstr("p.yaml:1:17: key 'x' stands here a second time"));
+    EXPECT_THAT(yaml_problems("s: {x: 1, y: 2, x: 3}\n"), HasSubstr("p.yaml:1:17: key 'x' stands here a second time"));
 }
 
 TEST(Yaml, RefusesATabInTheIndentation)
 {
-    EXPECT_THAT(problems_of("a:\n\tb: 1\n"), HasSubstr("p.yaml:2:1: a tab in the indentation; YAML takes blanks only"));
+    EXPECT_THAT(yaml_problems("a:\n\tb: 1\n"),
+                HasSubstr("p.yaml:2:1: a tab in the indentation; YAML takes blanks only"));
 }
 
 TEST(Yaml, SaysWhereTheTextStopsBeingYaml)
 {
-    EXPECT_THAT(problems_of("a: {b: 1\nc: [2\n"), HasSubstr("this is not YAML"));
-    EXPECT_THAT(problems_of("a: {b: 1\nc: [2\n"), HasSubstr("p.yaml:"));
+    EXPECT_THAT(yaml_problems("a: {b: 1\nc: [2\n"), HasSubstr("this is not YAML"));
+    EXPECT_THAT(yaml_problems("a: {b: 1\nc: [2\n"), HasSubstr("p.yaml:"));
 }
 
-TEST(Yaml, RefusesASecondDocument) { EXPECT_THAT(problems_of("a: 1\n---\nb: 2\n"), HasSubstr("a second document")); }
+TEST(Yaml, RefusesASecondDocument) { EXPECT_THAT(yaml_problems("a: 1\n---\nb: 2\n"), HasSubstr("a second document")); }
 
 TEST(Yaml, RefusesKeysThatAreNotText)
 {
-    EXPECT_THAT(problems_of("[1, 2]: 3\n"), HasSubstr("a key must be a plain word"));
+    EXPECT_THAT(yaml_problems("[1, 2]: 3\n"), HasSubstr("a key must be a plain word"));
 }
 
 TEST(Yaml, RefusesAliasesThatBlowTheDocumentUp)
@@ -66,7 +67,7 @@ TEST(Yaml, RefusesAliasesThatBlowTheDocumentUp)
             text += (k ? ", " : "") + below;
         text += "]\n";
     }
-    EXPECT_THAT(problems_of(text), HasSubstr("blown up by aliases"));
+    EXPECT_THAT(yaml_problems(text), HasSubstr("blown up by aliases"));
 }
 
 TEST(Yaml, KeepsScalarsAsTheyAreWritten)
