@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <optional>
 
@@ -142,6 +143,17 @@ DepthSamples line_depths(const AlignmentScene& scene, const AlignmentState& stat
         result.first_of_frame.push_back(static_cast<std::uint32_t>(result.sample.size()));
     }
     return result;
+}
+
+std::vector<LineObservation> lines_within(const std::vector<LineObservation>& lines, const AlignmentState& state,
+                                          double max_distance)
+{
+    std::vector<LineObservation> near;
+    std::ranges::copy_if(lines, std::back_inserter(near), [&](const LineObservation& line) {
+        return std::abs(line_row(state, line, 0).residual) <= max_distance &&
+               std::abs(line_row(state, line, 1).residual) <= max_distance;
+    });
+    return near;
 }
 
 std::vector<double> line_costs(const AlignmentState& state, const std::vector<LineObservation>& lines, double sigma,

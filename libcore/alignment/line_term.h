@@ -36,6 +36,11 @@ LineRow line_row(const AlignmentState& state, const LineObservation& line, std::
 DepthSamples line_depths(const AlignmentScene& scene, const AlignmentState& state, const Keyframes& keyframes,
                          const LineMatches& lines);
 
+// Those lines whose two ends lie within max_distance [px] of the crease as `state` shows it. A detector also matches
+// spines of books, patterns of cloth and the other edge of a board, and at its end a robust cost still pulls to them.
+std::vector<LineObservation> lines_within(const std::vector<LineObservation>& lines, const AlignmentState& state,
+                                          double max_distance);
+
 // Sum of robust squared residuals of every line, in units of sigma.
 std::vector<double> line_costs(const AlignmentState& state, const std::vector<LineObservation>& lines, double sigma,
                                double huber);

@@ -91,6 +91,7 @@ struct OptimizeTextureParams {
     int depth_stride = 8;
     double saturation = 0.02;
     double min_line_angle = 20.0;
+    double max_line_distance = 3.0;
     double line_step = 2.0;
     int min_observations = 200;
     int min_plane_observations = 50;
@@ -183,6 +184,10 @@ struct OptimizeTextureParams {
             Param{"saturation", &P::saturation, "", "grey values this near to black or white are not used", 0.0, 0.49},
             Param{"min_line_angle", &P::min_line_angle, "deg", "least angle between the two planes of a line", 0.1,
                   90.0},
+            Param{"max_line_distance", &P::max_line_distance, "px",
+                  "a segment farther from its crease is left out until a round brings them closer (line_term "
+                  "reprojection)",
+                  0.0, 1e9},
             Param{"line_step", &P::line_step, "px", "distance of the points along a segment (line_term depth)", 0.5,
                   1000.0},
             Param{"min_observations", &P::min_observations, "", "a frame with fewer texels and depths stays as it is",

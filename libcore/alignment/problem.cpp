@@ -91,7 +91,7 @@ AlignmentProblem make_problem(const ProblemSource& source, const AlignmentState&
         problem.observations = kept(problem.observations, keep);
     }
     problem.depths = source.depths;
-    problem.lines = source.lines;
+    problem.lines = lines_within(source.lines, state, scene.params.max_line_distance);
     problem.line_depths = source.line_depths;
     const auto counts = observation_counts(problem);
     problem.frame_is_free = free_frames(problem, counts);

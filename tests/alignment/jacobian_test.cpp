@@ -234,17 +234,37 @@ TEST(LineRow, HasTheDerivativeByPoseBothPlanesAndCalibration)
     }
 }
 
+// The image of the point at `along` [m] on the line in which the first two planes meet.
+Eigen::Vector2d crease_pixel(const AlignmentState& state, double along)
+{
+    const Plane a = state.plane[0].plane(), b = state.plane[1].plane();
+    Eigen::Matrix3d normals;
+    normals << a.normal.transpose(), b.normal.transpose(), a.normal.cross(b.normal).transpose();
+    const Vector3 p_world = normals.inverse() * Vector3(-a.offset, -b.offset, along);
+    return state.color.camera.project(state.color.color_from_depth * (state.camera_from_world[0] * p_world));
+}
+
 TEST(LineRow, IsZeroForTheProjectionOfAPointOnBothPlanes)
 {
     Random random{std::mt19937(3)};
     const AlignmentState state = random_state(random);
-    const Plane a = state.plane[0].plane(), b = state.plane[1].plane();
-    Eigen::Matrix3d normals;
-    normals << a.normal.transpose(), b.normal.transpose(), a.normal.cross(b.normal).transpose();
-    const Vector3 p_world = normals.inverse() * Vector3(-a.offset, -b.offset, 0.1);
-    const Vector3 p_color = state.color.color_from_depth * (state.camera_from_world[0] * p_world);
-    const LineObservation line{0, {0, 1}, {state.color.camera.project(p_color), Eigen::Vector2d(0, 0)}};
+    const LineObservation line{0, {0, 1}, {crease_pixel(state, 0.1), Eigen::Vector2d(0, 0)}};
     EXPECT_NEAR(line_row(state, line, 0).residual, 0.0, 1e-9);
+}
+
+TEST(LinesWithin, LeavesOutThoseOfWhichAnEndIsFartherFromTheCrease)
+{
+    Random random{std::mt19937(3)};
+    const AlignmentState state = random_state(random);
+    const Eigen::Vector2d p = crease_pixel(state, 0.1), q = crease_pixel(state, 0.3);
+    const Eigen::Vector2d along = (q - p).normalized(), across(-along.y(), along.x());
+    const auto line = [&](double at_p, double at_q) {
+        return LineObservation{0, {0, 1}, {p + at_p * across, q + at_q * across}};
+    };
+    const auto kept = lines_within({line(0, 0), line(2, 4), line(-2.9, 2.9), line(-4, 0), line(9, 9)}, state, 3.0);
+    ASSERT_EQ(kept.size(), 2u);
+    EXPECT_EQ(kept[0].end[0], line(0, 0).end[0]);
+    EXPECT_EQ(kept[1].end[0], line(-2.9, 2.9).end[0]);
 }
 
 TEST(PlaneBlock, HasTheGradientOfTheSumOverPointsAndAPositiveMatrix)
