@@ -13,45 +13,49 @@
 
 namespace quoin {
 
-// A chart with its texels. The rectangle holds the chart and a gutter of `gutter` texels around it; texel (x, y) of the
-// rectangle has its centre at ((x, y) + 0.5 - gutter) / density in chart coordinates [m].
+// A chart with its texels. The rectangle holds the chart and `margin` texels around it, and is made of whole blocks of
+// 2 margin x 2 margin texels; texel (x, y) of the rectangle has its centre at ((x, y) + 0.5 - margin) / density in
+// chart coordinates [m]. Rectangles may lie over each other on the page; the blocks that charts own do not.
 struct TexelChart {
-    Chart chart;
+    Chart chart; // its extent is a whole number of blocks
     std::uint32_t page = 0;
-    int x = 0, y = 0; // of the rectangle on the page [px]
-    int gutter = 0;
+    int x = 0, y = 0; // of the rectangle on the page [px], whole blocks
+    int margin = 0;
     Image<std::uint32_t> face;  // of every texel of the rectangle, into chart.face; kNoFace outside. A texel just
                                 // outside the chart has the nearest face, so that bilinear look-ups inside the chart
                                 // meet known texels only.
     Image<std::uint8_t> inside; // 1 = the texel's centre is on a face of the chart
+    BitMask owned;              // blocks that look-ups on the chart read, in full size or in any mip level down to that
+                                // in which a block is a texel
 
     int width() const { return face.width; }
     int height() const { return face.height; }
     Eigen::Vector2d chart_point(double texel_x, double texel_y) const // [m]
     {
-        return (Eigen::Vector2d(texel_x, texel_y).array() + 0.5 - gutter) / chart.density;
+        return (Eigen::Vector2d(texel_x, texel_y).array() + 0.5 - margin) / chart.density;
     }
     // Texel coordinates of a world point, texel centres at integers.
     Eigen::Vector2d texel(const Eigen::Vector3d& p_world) const
     {
-        return (chart.from_world(p_world) * chart.density).array() + gutter - 0.5;
+        return (chart.from_world(p_world) * chart.density).array() + margin - 0.5;
     }
 };
 
 struct Atlas {
     std::vector<TexelChart> chart;
-    std::vector<RectangleSize> page;
+    std::vector<PageSize> page;            // [px]
     std::vector<std::uint32_t> face_chart; // F, into chart
 };
 
 struct AtlasOptions {
-    int gutter = 0;             // [px]
-    int max_page = 0;           // [px], a multiple of 4
-    double max_texels = 0.0;    // densities are lowered until all rectangles together have no more
+    int clean_mip_levels = 1;   // below the full size; at least 1
+    int max_page = 0;           // [px]
+    double max_texels = 0.0;    // densities are lowered until all pages together have no more
     double least_density = 0.0; // a chart that is longer than a page gets no less before it is cut [1/m]
 };
 
-// Cuts charts that are too long, packs them and finds the face of every texel. Charts come with their density.
+// Cuts charts that are too long, packs them and finds the face of every texel. Charts come with their density. No
+// look-up on a chart, bilinear in a box-filtered mip level up to the last clean one, reads another chart's texels.
 Atlas lay_out_atlas(const PlaneMesh& planes, std::vector<Chart> charts, const AtlasOptions& options);
 
 // Where the texels of a chart are in the world: the point of their face, extended beyond its edges, on the line through

@@ -38,13 +38,12 @@ void check(const BakeInput& input)
 
 Atlas make_atlas(const BakeInput& input, const BakeTextureParams& params)
 {
-    constexpr int kPageMultiple = 4;
     constexpr double kMega = 1e6;
     auto charts = make_charts(input.planes, std::cos(params.max_view_angle * std::numbers::pi / 180.0));
     set_densities(charts, input.planes, input.alignment, params);
     split_overlaps(input.planes, charts);
-    const AtlasOptions options{params.gutter, params.max_page_size / kPageMultiple * kPageMultiple,
-                               params.max_megatexels * kMega, params.density};
+    const AtlasOptions options{params.clean_mip_levels, params.max_page_size, params.max_megatexels * kMega,
+                               params.density};
     return lay_out_atlas(input.planes, std::move(charts), options);
 }
 
@@ -59,7 +58,7 @@ void fill_unseen(const BakeInput& input, const Atlas& atlas, const BakeTexturePa
     fill_rest(input.planes, atlas, colors);
 }
 
-// One uv per vertex of a chart; the texel of the chart's corner starts right after the gutter.
+// One uv per vertex of a chart.
 void set_uv(const Atlas& atlas, TexturedMesh& textured)
 {
     const TriangleMesh& mesh = textured.planes.mesh;

@@ -30,7 +30,7 @@ struct BakeTextureParams {
     double supersampling = 1.0;
     double max_megatexels = 32.0;
     int max_page_size = 4096;
-    int gutter = 4;
+    int clean_mip_levels = 1;
     double max_view_angle = 78.0;
     double min_depth = 0.3;
     double max_depth = 8.0;
@@ -63,8 +63,12 @@ struct BakeTextureParams {
             Param{"max_megatexels", &P::max_megatexels, "10^6",
                   "texels of all pages together; every chart is made coarser until they fit", 0.01, 1000.0},
             Param{"max_page_size", &P::max_page_size, "px",
-                  "longest side of an atlas page, rounded down to a multiple of 4", 64, 16384},
-            Param{"gutter", &P::gutter, "px", "texels of colour around every chart", 2, 64},
+                  "longest side of an atlas page, rounded down to a multiple of 4 and of 2^clean_mip_levels", 64,
+                  16384},
+            Param{"clean_mip_levels", &P::clean_mip_levels, "",
+                  "mip levels, each half as large as the one before, in which charts do not bleed into each other: how "
+                  "wide the gutters are",
+                  1, 5},
             Param{"max_view_angle", &P::max_view_angle, "deg",
                   "views that look at a surface more obliquely are not used; faces that turn further from their plane "
                   "get charts of their own",

@@ -1,8 +1,11 @@
 #include "bake/packing.h"
 
+#include "bake/occupancy.h"
+
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
-#include <limits>
 #include <numeric>
 #include <optional>
 #include <tuple>
@@ -10,143 +13,151 @@
 namespace quoin {
 namespace {
 
-constexpr int kPageMultiple = 4;     // block size of compressed textures
-constexpr double kGuessedUse = 0.95; // of a page, when its size is first guessed
-constexpr double kPageGrowth = 1.03; // from one guess to the next
+constexpr double kGuessedUse = 0.93; // of a page by masks, to guess its width
+constexpr double kNear = 0.25;       // how far below the highest place another is near it, in shorter sides of the mask
+constexpr std::size_t kTurns = 4;
+constexpr int kBits = BitMask::kWordBits;
 
-int round_up(int value) { return (value + kPageMultiple - 1) / kPageMultiple * kPageMultiple; }
+int round_up(int value, int multiple) { return (value + multiple - 1) / multiple * multiple; }
 
-// The upper outline of what a page holds: steps from left to right, each at its height.
-class Skyline {
-public:
-    Skyline(int width, int height) : width_(width), height_(height), steps_{{0, 0}} {}
+using Turns = std::vector<Shape>; // of one mask
 
-    struct Spot {
-        int top = std::numeric_limits<int>::max(); // height of the rectangle's far side
-        int wasted = 0;                            // pixels shut in below it
-        int x = 0, y = 0;
-        bool turned = false;
-        bool operator<(const Spot& b) const
-        {
-            return std::tie(top, wasted, x, turned) < std::tie(b.top, b.wasted, b.x, b.turned);
-        }
-    };
+Turns all_turns(const BitMask& mask)
+{
+    Turns turns;
+    turns.emplace_back(mask);
+    while (turns.size() < kTurns)
+        turns.emplace_back(turned(turns.back().mask()));
+    return turns;
+}
 
-    std::optional<Spot> find(const RectangleSize& size) const
+struct Place {
+    int contact = 0;
+    int end = 0; // first row below the mask
+    int x = 0, turns = 0;
+    bool operator<(const Place& b) const // the better one
     {
-        std::optional<Spot> best;
-        const auto consider = [&](int w, int h, bool turned) {
-            for (std::size_t i = 0; i < steps_.size() && steps_[i].x + w <= width_; ++i)
-                if (auto spot = at(i, w, h)) {
-                    spot->turned = turned;
-                    if (!best || *spot < *best) best = spot;
-                }
-        };
-        consider(size.width, size.height, false);
-        if (size.width != size.height) consider(size.height, size.width, true);
+        return std::tuple(-contact, end, x, turns) < std::tuple(-b.contact, b.end, b.x, b.turns);
+    }
+};
+
+class Page {
+public:
+    Page(int width, int height) : taken_(width, height) {}
+
+    std::optional<Place> find(const Turns& turns) const
+    {
+        const auto first_row = first_rows(turns);
+        int end = taken_.height() + 1;
+        for (std::size_t t = 0; t < kTurns; ++t)
+            end = std::min(end, first_row[t] + turns[t].mask().height());
+        if (end > taken_.height()) return std::nullopt;
+        const int shorter = std::min(turns[0].mask().width(), turns[0].mask().height());
+        end = std::min(end + static_cast<int>(kNear * shorter), taken_.height());
+        std::optional<Place> best;
+        for (std::size_t t = 0; t < kTurns; ++t)
+            for (int y = first_row[t]; y + turns[t].mask().height() <= end; ++y)
+                look_at_row(turns[t], static_cast<int>(t), y, best);
         return best;
     }
 
-    void place(const Spot& spot, const RectangleSize& size)
+    void put(const Turns& turns, const Place& place)
     {
-        const int right = spot.x + (spot.turned ? size.height : size.width);
-        std::vector<Step> steps;
-        int height_at_right = 0;
-        for (const auto& step : steps_) {
-            if (step.x <= right) height_at_right = step.y;
-            if (step.x < spot.x) steps.push_back(step);
-        }
-        steps.push_back({spot.x, spot.top});
-        if (right < width_) steps.push_back({right, height_at_right});
-        for (const auto& step : steps_)
-            if (step.x > right) steps.push_back(step);
-        steps_ = std::move(steps);
-        used_height_ = std::max(used_height_, spot.top);
+        const BitMask& mask = turns[static_cast<std::size_t>(place.turns)].mask();
+        taken_.take(mask, place.x, place.end - mask.height());
+        used_.width = std::max(used_.width, place.x + mask.width());
+        used_.height = std::max(used_.height, place.end);
     }
 
-    int used_height() const { return used_height_; }
+    PageSize used() const { return used_; }
 
 private:
-    struct Step {
-        int x, y;
-    };
-
-    // The rectangle with its left side on step i.
-    std::optional<Spot> at(std::size_t i, int w, int h) const
+    // The first row in which each turn fits; far down where none does that ends as high up as another turn would.
+    std::array<int, kTurns> first_rows(const Turns& turns) const
     {
-        const int right = steps_[i].x + w;
-        int y = 0;
-        for (std::size_t j = i; j < steps_.size() && steps_[j].x < right; ++j)
-            y = std::max(y, steps_[j].y);
-        if (y + h > height_) return std::nullopt;
-        int wasted = 0;
-        for (std::size_t j = i; j < steps_.size() && steps_[j].x < right; ++j) {
-            const int end = j + 1 < steps_.size() ? std::min(steps_[j + 1].x, right) : right;
-            wasted += (end - steps_[j].x) * (y - steps_[j].y);
+        std::array<int, kTurns> first{};
+        std::vector<std::uint64_t> fits;
+        int end = taken_.height();
+        for (std::size_t t = 0; t < kTurns; ++t) {
+            const int height = turns[t].mask().height();
+            int y = 0;
+            while (y + height <= end && !taken_.find_places(turns[t], y, fits))
+                ++y;
+            const bool found = y + height <= end;
+            const int near = static_cast<int>(kNear * std::min(height, turns[t].mask().width()));
+            first[t] = found ? y : taken_.height();
+            if (found) end = std::min(end, y + height + near);
         }
-        return Spot{y + h, wasted, steps_[i].x, y, false};
+        return first;
     }
 
-    int width_, height_;
-    int used_height_ = 0;
-    std::vector<Step> steps_;
+    // Places at the ends of gaps touch more than those between.
+    void look_at_row(const Shape& shape, int turn, int y, std::optional<Place>& best) const
+    {
+        std::vector<std::uint64_t> fits;
+        if (!taken_.find_places(shape, y, fits)) return;
+        for (std::size_t w = 0; w < fits.size(); ++w) {
+            const std::uint64_t before = w > 0 ? fits[w - 1] >> (kBits - 1) : 0;
+            const std::uint64_t after = w + 1 < fits.size() ? fits[w + 1] << (kBits - 1) : 0;
+            const std::uint64_t between = (fits[w] << 1 | before) & (fits[w] >> 1 | after);
+            for (std::uint64_t ends = fits[w] & ~between; ends != 0; ends &= ends - 1) {
+                const int x = static_cast<int>(w) * kBits + std::countr_zero(ends);
+                const Place place{taken_.contact(shape, x, y), y + shape.mask().height(), x, turn};
+                if (!best || place < *best) best = place;
+            }
+        }
+    }
+
+    Occupancy taken_;
+    PageSize used_;
 };
 
-std::vector<std::size_t> longest_first(const std::vector<RectangleSize>& sizes)
+std::vector<std::size_t> largest_first(const std::vector<BitMask>& masks)
 {
-    std::vector<std::size_t> order(sizes.size());
+    std::vector<std::size_t> order(masks.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
-        const auto key = [&](std::size_t i) {
-            return std::pair(std::max(sizes[i].width, sizes[i].height), std::min(sizes[i].width, sizes[i].height));
-        };
-        return key(a) > key(b);
-    });
+    const auto area = [&](std::size_t i) { return std::int64_t{masks[i].width()} * masks[i].height(); };
+    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return area(a) > area(b); });
     return order;
 }
 
-// Everything on pages of width x height; nullopt when more than max_pages would be needed.
-std::optional<Packing> pack_into(const std::vector<RectangleSize>& sizes, RectangleSize page, std::size_t max_pages)
+int page_width(const std::vector<BitMask>& masks, int max_side, int multiple)
 {
-    Packing packing;
-    packing.rectangle.resize(sizes.size());
-    std::vector<Skyline> skylines;
-    for (const auto i : longest_first(sizes)) {
-        std::optional<Skyline::Spot> spot;
-        std::size_t p = 0;
-        for (; p < skylines.size() && !spot; ++p)
-            spot = skylines[p].find(sizes[i]);
-        if (!spot) {
-            if (skylines.size() == max_pages) return std::nullopt;
-            skylines.emplace_back(page.width, page.height);
-            spot = skylines.back().find(sizes[i]);
-            if (!spot) return std::nullopt;
-            p = skylines.size();
-        }
-        skylines[p - 1].place(*spot, sizes[i]);
-        packing.rectangle[i] = {static_cast<std::uint32_t>(p - 1), spot->x, spot->y, spot->turned};
+    double area = 0.0;
+    int longest = 1;
+    for (const auto& mask : masks) {
+        area += static_cast<double>(count(mask));
+        longest = std::max({longest, mask.width(), mask.height()});
     }
-    for (const auto& skyline : skylines)
-        packing.page.push_back({page.width, round_up(skyline.used_height())});
-    return packing;
+    const int side = static_cast<int>(std::ceil(std::sqrt(area / kGuessedUse)));
+    return std::min(max_side, round_up(std::max(side, longest), multiple));
 }
 
 } // namespace
 
-Packing pack_rectangles(const std::vector<RectangleSize>& sizes, int max_page)
+Packing pack_masks(const std::vector<BitMask>& masks, int max_side, int multiple)
 {
-    double area = 0.0;
-    int longest = kPageMultiple;
-    for (const auto& size : sizes) {
-        area += static_cast<double>(size.width) * size.height;
-        longest = std::max({longest, size.width, size.height});
+    const int width = page_width(masks, max_side, multiple);
+    Packing packing;
+    packing.mask.resize(masks.size());
+    std::vector<Page> pages;
+    for (const auto i : largest_first(masks)) {
+        const auto turns = all_turns(masks[i]);
+        std::optional<Place> place;
+        std::size_t p = 0;
+        for (; p < pages.size(); ++p)
+            if ((place = pages[p].find(turns))) break;
+        if (!place) {
+            pages.emplace_back(width, max_side);
+            place = pages.back().find(turns);
+        }
+        pages[p].put(turns, *place);
+        const int height = turns[static_cast<std::size_t>(place->turns)].mask().height();
+        packing.mask[i] = {static_cast<std::uint32_t>(p), place->x, place->end - height, place->turns};
     }
-    double side = std::max<double>(longest, std::sqrt(area / kGuessedUse));
-    for (; round_up(static_cast<int>(std::ceil(side))) < max_page; side *= kPageGrowth) {
-        const int width = round_up(static_cast<int>(std::ceil(side)));
-        if (auto packing = pack_into(sizes, {width, width}, 1)) return *packing;
-    }
-    return *pack_into(sizes, {max_page, max_page}, std::numeric_limits<std::size_t>::max());
+    for (const auto& page : pages)
+        packing.page.push_back({round_up(page.used().width, multiple), round_up(page.used().height, multiple)});
+    return packing;
 }
 
 } // namespace quoin

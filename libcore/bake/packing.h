@@ -1,29 +1,32 @@
-// Rectangles onto pages: skyline, bottom left.
+// Shapes onto pages, cell by cell.
 #pragma once
+
+#include "bake/bit_mask.h"
 
 #include <cstdint>
 #include <vector>
 
 namespace quoin {
 
-struct RectangleSize {
-    int width = 0, height = 0; // [px]
+struct PageSize {
+    int width = 0, height = 0;
 };
 
-struct PlacedRectangle {
+struct PlacedMask {
     std::uint32_t page = 0;
-    int x = 0, y = 0;    // of the top left pixel
-    bool turned = false; // by a right angle: it covers height x width pixels
+    int x = 0, y = 0; // of its top left cell on the page
+    int turns = 0;    // clockwise right angles, before it is placed
 };
 
 struct Packing {
-    std::vector<PlacedRectangle> rectangle; // in the order of the sizes given
-    std::vector<RectangleSize> page;
+    std::vector<PlacedMask> mask; // in the order of the masks given
+    std::vector<PageSize> page;
 };
 
-// Packs all rectangles without overlap, the longest sides first, each where its top is lowest (Jylänki 2010, skyline
-// bottom-left), turned where that is better. The pages are as small as holds everything in one; when one page of
-// max_page does not hold it, there are several. Page sides are multiples of 4. Requires every side <= max_page.
-Packing pack_rectangles(const std::vector<RectangleSize>& sizes, int max_page);
+// Packs all masks so that no two share a cell: the largest first, each as high up as it gets by any of its four turns,
+// and near there where it touches the most of what is there already. So small ones fill the holes and bays of large
+// ones. One page that is nearly square when max_side allows it, else several; all end below what they hold, and their
+// sides are multiples of `multiple`. Requires masks with sides from 1 to max_side, a multiple of `multiple`.
+Packing pack_masks(const std::vector<BitMask>& masks, int max_side, int multiple);
 
 } // namespace quoin

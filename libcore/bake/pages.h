@@ -8,8 +8,8 @@
 
 namespace quoin {
 
-// Writes the charts' colours onto the pages and encodes them. What lies between the charts gets the mean colour of the
-// page, so that small mip levels and viewers without care for gutters show nothing odd.
+// Writes the charts' colours onto the pages and encodes them. Between the charts what is beside them continues, and the
+// mean colour of the page fills the rest, so that small mip levels show nothing odd.
 std::vector<AtlasPage> encode_pages(const Atlas& atlas, const std::vector<ChartColors>& colors,
                                     const BakeTextureParams& params);
 

@@ -3,10 +3,11 @@
 
 #include "bake/charts.h"
 
-#include <Eigen/Geometry>
+#include <Eigen/Core>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace quoin {
 
@@ -47,23 +48,54 @@ inline double distance_to_triangle(const Eigen::Vector2d& p, const Triangle2& t)
                                                  squared_distance_to_segment(p, t[2], t[0])})));
 }
 
+struct Span {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    void extend(double value)
+    {
+        low = std::min(low, value);
+        high = std::max(high, value);
+    }
+};
+
+// The part of the x axis that the triangle spans between y - reach and y + reach.
+inline Span span_of_rows(const Triangle2& triangle, double y, double reach)
+{
+    Span span;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const Eigen::Vector2d &a = triangle[i], &b = triangle[(i + 1) % 3];
+        const double low = std::max(std::min(a.y(), b.y()), y - reach),
+                     high = std::min(std::max(a.y(), b.y()), y + reach);
+        if (low > high) continue;
+        if (a.y() == b.y()) {
+            span.extend(a.x());
+            span.extend(b.x());
+        } else {
+            const double slope = (b.x() - a.x()) / (b.y() - a.y());
+            span.extend(a.x() + (low - a.y()) * slope);
+            span.extend(a.x() + (high - a.y()) * slope);
+        }
+    }
+    return span;
+}
+
 // Calls visit(x, y, distance) for the texels of a width x height grid whose centres are inside the triangle (distance
 // 0) or at most `reach` texels away from it, row by row.
 template <class Visit>
 void for_each_texel(const Triangle2& triangle, int width, int height, double reach, const Visit& visit)
 {
-    Eigen::AlignedBox2d box;
-    for (const auto& p : triangle)
-        box.extend(p);
-    const int x0 = std::max(0, static_cast<int>(std::ceil(box.min().x() - reach)));
-    const int x1 = std::min(width - 1, static_cast<int>(std::floor(box.max().x() + reach)));
-    const int y0 = std::max(0, static_cast<int>(std::ceil(box.min().y() - reach)));
-    const int y1 = std::min(height - 1, static_cast<int>(std::floor(box.max().y() + reach)));
-    for (int y = y0; y <= y1; ++y)
+    constexpr double kRounding = 1e-6; // [texel], of the spans
+    const auto [low, high] = std::minmax({triangle[0].y(), triangle[1].y(), triangle[2].y()});
+    const int y0 = std::max(0, static_cast<int>(std::ceil(low - reach)));
+    const int y1 = std::min(height - 1, static_cast<int>(std::floor(high + reach)));
+    for (int y = y0; y <= y1; ++y) {
+        const auto span = span_of_rows(triangle, y, reach + kRounding);
+        const int x0 = std::max(0, static_cast<int>(std::ceil(span.low - reach - kRounding)));
+        const int x1 = std::min(width - 1, static_cast<int>(std::floor(span.high + reach + kRounding)));
         for (int x = x0; x <= x1; ++x) {
             const double distance = distance_to_triangle(Eigen::Vector2d(x, y), triangle);
             if (distance <= reach) visit(x, y, distance);
         }
+    }
 }
 
 } // namespace quoin
