@@ -20,23 +20,59 @@ constexpr std::size_t kBatch = 8;
 // Sharpens the bilinear weight of a label, so that two views mix over a quarter of a tile only.
 float sharpened(float label) { return label * label * label * label; }
 
+// Views in memory from the first reading to the second, as far as they go.
+constexpr std::size_t kKeptBytes = std::size_t{400} << 20;
+
 struct Batch {
     std::size_t first = 0; // keyframe of view[0]
     std::vector<std::optional<TextureView>> view;
 };
 
-void for_each_batch(const BakeInput& input, const BakeTextureParams& params, const std::string& part,
-                    const std::function<void(const Batch&)>& use)
-{
-    const std::size_t count = input.keyframes.frame.size();
-    Progress progress(part, count);
-    for (std::size_t first = 0; first < count; first += kBatch) {
-        Batch batch{first, std::vector<std::optional<TextureView>>(std::min(kBatch, count - first))};
-        parallel_for(batch.view.size(), [&](std::size_t i) { batch.view[i].emplace(input, first + i, params); });
-        use(batch);
-        progress.step(batch.view.size());
+// All keyframes, a few at a time.
+class Batches {
+public:
+    Batches(const BakeInput& input, const BakeTextureParams& params) : input_(input), params_(params) {}
+
+    void for_each(const std::string& part, const std::function<void(const Batch&)>& use)
+    {
+        const std::size_t count = input_.keyframes.frame.size();
+        Progress progress(part, count);
+        for (std::size_t first = 0; first < count; first += kBatch) {
+            const std::size_t size = std::min(kBatch, count - first);
+            if (first / kBatch < kept_.size()) {
+                use(kept_[first / kBatch]);
+            } else {
+                Batch batch = load(first, size);
+                use(batch);
+                if (first / kBatch == kept_.size()) keep(std::move(batch));
+            }
+            progress.step(size);
+        }
     }
-}
+
+private:
+    Batch load(std::size_t first, std::size_t count) const
+    {
+        Batch batch{first, std::vector<std::optional<TextureView>>(count)};
+        parallel_for(count, [&](std::size_t i) { batch.view[i].emplace(input_, first + i, params_); });
+        return batch;
+    }
+
+    void keep(Batch batch)
+    {
+        std::size_t bytes = 0;
+        for (const auto& view : batch.view)
+            bytes += view->bytes();
+        if (kept_bytes_ + bytes > kKeptBytes) return;
+        kept_bytes_ += bytes;
+        kept_.push_back(std::move(batch));
+    }
+
+    const BakeInput& input_;
+    const BakeTextureParams& params_;
+    std::vector<Batch> kept_; // the first ones
+    std::size_t kept_bytes_ = 0;
+};
 
 // The largest charts first, or the last thread ends long after the others.
 std::vector<std::size_t> by_falling_size(const Atlas& atlas)
@@ -49,7 +85,8 @@ std::vector<std::size_t> by_falling_size(const Atlas& atlas)
     return order;
 }
 
-std::vector<ChartTiles> judge_views(const Atlas& atlas, const BakeInput& input, const BakeTextureParams& params)
+std::vector<ChartTiles> judge_views(const Atlas& atlas, const BakeInput& input, const BakeTextureParams& params,
+                                    Batches& batches)
 {
     const auto order = by_falling_size(atlas);
     std::vector<std::optional<TileSamples>> samples(atlas.chart.size());
@@ -58,7 +95,7 @@ std::vector<ChartTiles> judge_views(const Atlas& atlas, const BakeInput& input, 
         samples[order[i]].emplace(input.planes, atlas.chart[order[i]]);
         tiles[order[i]] = samples[order[i]]->empty_tiles();
     });
-    for_each_batch(input, params, "judging views", [&](const Batch& batch) {
+    batches.for_each("judging views", [&](const Batch& batch) {
         parallel_for(order.size(), [&](std::size_t i) {
             for (std::size_t b = 0; b < batch.view.size(); ++b)
                 samples[order[i]]->judge(*batch.view[b], static_cast<std::uint32_t>(batch.first + b), tiles[order[i]]);
@@ -191,13 +228,14 @@ ChartColors ChartBlend::finish() const
 
 std::vector<ChartColors> blend_views(const Atlas& atlas, const BakeInput& input, const BakeTextureParams& params)
 {
-    const auto tiles = judge_views(atlas, input, params);
+    Batches batches(input, params);
+    const auto tiles = judge_views(atlas, input, params, batches);
     const auto order = by_falling_size(atlas);
     std::vector<std::optional<ChartBlend>> blend(atlas.chart.size());
     parallel_for(order.size(), [&](std::size_t i) {
         blend[order[i]].emplace(input.planes, atlas.chart[order[i]], tiles[order[i]], params);
     });
-    for_each_batch(input, params, "gathering colours", [&](const Batch& batch) {
+    batches.for_each("gathering colours", [&](const Batch& batch) {
         parallel_for(order.size(), [&](std::size_t i) {
             for (std::size_t b = 0; b < batch.view.size(); ++b)
                 blend[order[i]]->add(*batch.view[b], static_cast<std::uint32_t>(batch.first + b));

@@ -25,18 +25,26 @@ constexpr double kCornerCentring = 0.5; // quality of the image's corners agains
 // second difference is 0 on every plane, however oblique, and z^2 times it is the step [m].
 Image<float> depth_steps(const DepthImage& depth, double jump, double noise)
 {
+    const auto step_limit = static_cast<float>(jump);
+    const auto noise_limit = static_cast<float>(kSigmas * std::sqrt(6.0) * noise);
+    Image<float> inverse(depth.width, depth.height);
+    for (std::size_t i = 0; i < depth.pixels.size(); ++i)
+        inverse.pixels[i] = depth.pixels[i] > 0.0f ? 1.0f / depth.pixels[i] : 0.0f;
     Image<float> start(depth.width, depth.height, kFarFromEdges);
-    const auto check = [&](int x, int y, int dx, int dy) {
-        const float z = depth.at(x, y), before = depth.at(x - dx, y - dy), after = depth.at(x + dx, y + dy);
-        if (z <= 0.0f || before <= 0.0f || after <= 0.0f) return;
-        const double step = std::abs(1.0 / before - 2.0 / z + 1.0 / after) * z * z;
-        if (step > std::max(jump, kSigmas * std::sqrt(6.0) * noise * z * z)) start.at(x, y) = 0.0f;
-    };
-    for (int y = 0; y < depth.height; ++y)
-        for (int x = 0; x < depth.width; ++x) {
-            if (x > 0 && x + 1 < depth.width) check(x, y, 1, 0);
-            if (y > 0 && y + 1 < depth.height) check(x, y, 0, 1);
+    // `count` pixels from (x, y) on, with their neighbours on two opposite sides.
+    const auto mark = [&](int x, int y, int count, const float* before, const float* after) {
+        const float *at = inverse.row(y) + x, *z = depth.row(y) + x;
+        float* result = start.row(y) + x;
+        for (int i = 0; i < count; ++i) {
+            const float square = z[i] * z[i], step = std::abs(before[i] - 2.0f * at[i] + after[i]) * square;
+            const bool known = (at[i] > 0.0f) & (before[i] > 0.0f) & (after[i] > 0.0f);
+            result[i] = known & (step > std::max(step_limit, noise_limit * square)) ? 0.0f : result[i];
         }
+    };
+    for (int y = 0; y < depth.height; ++y) {
+        if (depth.width > 2) mark(1, y, depth.width - 2, inverse.row(y), inverse.row(y) + 2);
+        if (y > 0 && y + 1 < depth.height) mark(0, y, depth.width, inverse.row(y - 1), inverse.row(y + 1));
+    }
     return start;
 }
 
@@ -88,6 +96,16 @@ TextureView::TextureView(const BakeInput& input, std::size_t k, const BakeTextur
     // The depth image's pixels in units of the colour image's.
     for (auto& distance : measured_edge_.pixels)
         distance *= static_cast<float>(color_camera_.fx / depth_camera_.fx);
+}
+
+std::size_t TextureView::bytes() const
+{
+    const std::size_t pixels =
+        drawn_.pixels.size() + measured_.pixels.size() + drawn_edge_.pixels.size() + measured_edge_.pixels.size();
+    std::size_t result = pixels * sizeof(float);
+    for (const auto& level : color_)
+        result += level.pixels.size() * sizeof(Rgb8);
+    return result;
 }
 
 double TextureView::edge_ramp(double pixels_to_edge) const

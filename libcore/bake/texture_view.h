@@ -33,6 +33,7 @@ public:
     double sharpness() const { return sharpness_; } // 0 blurred .. 1 sharp
     // 1 in the middle of the image, towards 0 in its corners (vignetting, distortion).
     double centring(const Eigen::Vector2d& pixel) const;
+    std::size_t bytes() const;                                              // that it takes in memory
     bool may_see(const Eigen::Vector3d& centre_world, double radius) const; // could a ball be in the image?
 
 private:
