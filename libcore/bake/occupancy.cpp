@@ -112,16 +112,17 @@ bool Occupancy::find_places(const Shape& shape, int y, std::vector<std::uint64_t
 {
     const int places = width_ - shape.mask().width() + 1;
     const auto gap_is_too_short = [&](const Shape::Run& run) {
-        return longest_gap_[static_cast<std::size_t>(y + run.row + 1)] < run.length;
+        const int row = y + run.row + 1;
+        return longest_gap_[static_cast<std::size_t>(row)] < run.length;
     };
     if (places <= 0 || std::ranges::any_of(shape.runs(), gap_is_too_short)) return false;
     fits.assign(static_cast<std::size_t>((places + kBits - 1) / kBits), kAll);
     if (places % kBits != 0) fits.back() = kAll >> (kBits - places % kBits);
     for (const auto& run : shape.runs()) {
-        const auto k = static_cast<std::size_t>(std::bit_width(static_cast<unsigned>(run.length)) - 1);
-        const std::uint64_t* row = reach_[k].row(y + run.row + 1);
+        const unsigned half = std::bit_floor(static_cast<unsigned>(run.length)); // or more of the run
+        const std::uint64_t* row = reach_[static_cast<std::size_t>(std::countr_zero(half))].row(y + run.row + 1);
         remove_bits(fits, row, run.first + 1);
-        remove_bits(fits, row, run.first + 1 + run.length - (1 << k));
+        remove_bits(fits, row, run.first + 1 + run.length - static_cast<int>(half));
         if (std::ranges::all_of(fits, [](std::uint64_t word) { return word == 0; })) return false;
     }
     return true;

@@ -47,16 +47,17 @@ public:
 
     std::optional<Place> find(const Turns& turns) const
     {
-        const auto first_row = first_rows(turns);
-        int end = taken_.height() + 1;
-        for (std::size_t t = 0; t < kTurns; ++t)
-            end = std::min(end, first_row[t] + turns[t].mask().height());
-        if (end > taken_.height()) return std::nullopt;
-        const int shorter = std::min(turns[0].mask().width(), turns[0].mask().height());
-        end = std::min(end + static_cast<int>(kNear * shorter), taken_.height());
+        const BitMask& unturned = turns[0].mask();
+        const int near = static_cast<int>(kNear * std::min(unturned.width(), unturned.height()));
+        int limit = taken_.height(); // of the ends that are worth a look
+        std::array<int, kTurns> first{};
+        for (std::size_t t = 0; t < kTurns; ++t) {
+            first[t] = first_row(turns[t], limit);
+            limit = std::min(limit, first[t] + turns[t].mask().height() + near);
+        }
         std::optional<Place> best;
         for (std::size_t t = 0; t < kTurns; ++t)
-            for (int y = first_row[t]; y + turns[t].mask().height() <= end; ++y)
+            for (int y = first[t]; y + turns[t].mask().height() <= limit; ++y)
                 look_at_row(turns[t], static_cast<int>(t), y, best);
         return best;
     }
@@ -72,23 +73,13 @@ public:
     PageSize used() const { return used_; }
 
 private:
-    // The first row in which each turn fits; far down where none does that ends as high up as another turn would.
-    std::array<int, kTurns> first_rows(const Turns& turns) const
+    // In which the shape fits somewhere, with its end at most at the limit; else the limit.
+    int first_row(const Shape& shape, int limit) const
     {
-        std::array<int, kTurns> first{};
         std::vector<std::uint64_t> fits;
-        int end = taken_.height();
-        for (std::size_t t = 0; t < kTurns; ++t) {
-            const int height = turns[t].mask().height();
-            int y = 0;
-            while (y + height <= end && !taken_.find_places(turns[t], y, fits))
-                ++y;
-            const bool found = y + height <= end;
-            const int near = static_cast<int>(kNear * std::min(height, turns[t].mask().width()));
-            first[t] = found ? y : taken_.height();
-            if (found) end = std::min(end, y + height + near);
-        }
-        return first;
+        for (int y = 0; y + shape.mask().height() <= limit; ++y)
+            if (taken_.find_places(shape, y, fits)) return y;
+        return limit;
     }
 
     // Places at the ends of gaps touch more than those between.
