@@ -6,28 +6,27 @@
 namespace quoin {
 namespace {
 
-constexpr int kBits = BitMask::kWordBits;
 constexpr std::uint64_t kAll = ~std::uint64_t{0};
 
 // a &= not the bits of the row from `first` on.
 void remove_bits(std::vector<std::uint64_t>& a, const std::uint64_t* row, int first)
 {
-    const std::uint64_t* word = row + first / kBits;
-    const int shift = first % kBits;
+    const std::uint64_t* word = row + first / BitMask::kWordBits;
+    const int shift = first % BitMask::kWordBits;
     if (shift == 0)
         for (std::size_t i = 0; i < a.size(); ++i)
             a[i] &= ~word[i];
     else
         for (std::size_t i = 0; i < a.size(); ++i)
-            a[i] &= ~(word[i] >> shift | word[i + 1] << (kBits - shift));
+            a[i] &= ~(word[i] >> shift | word[i + 1] << (BitMask::kWordBits - shift));
 }
 
 int longest_gap(const std::uint64_t* row, int width)
 {
     int longest = 0, gap = 0;
     for (int x = 0; x < width;) {
-        const std::uint64_t word = row[x / kBits] >> (x % kBits);
-        const int free = word == 0 ? kBits - x % kBits : std::countr_zero(word);
+        const std::uint64_t word = row[x / BitMask::kWordBits] >> (x % BitMask::kWordBits);
+        const int free = word == 0 ? BitMask::kWordBits - x % BitMask::kWordBits : std::countr_zero(word);
         gap += std::min(free, width - x);
         longest = std::max(longest, gap);
         x += free;
@@ -90,19 +89,21 @@ void Occupancy::update_row(int row)
     for (std::size_t k = 1; k < reach_.size(); ++k) {
         const int half = 1 << (k - 1);
         const std::uint64_t* from = reach_[k - 1].row(row);
-        for (int w = 0; w * kBits < width_ + 2; ++w)
-            reach_[k].row(row)[w] = from[w] | (w * kBits + half < width_ + 2 ? bits_from(from, w * kBits + half) : 0);
+        for (int w = 0; w * BitMask::kWordBits < width_ + 2; ++w)
+            reach_[k].row(row)[w] =
+                from[w] |
+                (w * BitMask::kWordBits + half < width_ + 2 ? bits_from(from, w * BitMask::kWordBits + half) : 0);
     }
 }
 
 void Occupancy::take(const BitMask& mask, int x, int y)
 {
     for (int r = 0; r < mask.height(); ++r) {
-        std::uint64_t* word = reach_[0].row(y + r + 1) + (x + 1) / kBits;
-        const int shift = (x + 1) % kBits;
-        for (int w = 0; w * kBits < mask.width(); ++w) {
+        std::uint64_t* word = reach_[0].row(y + r + 1) + (x + 1) / BitMask::kWordBits;
+        const int shift = (x + 1) % BitMask::kWordBits;
+        for (int w = 0; w * BitMask::kWordBits < mask.width(); ++w) {
             word[w] |= mask.row(r)[w] << shift;
-            if (shift > 0) word[w + 1] |= mask.row(r)[w] >> (kBits - shift);
+            if (shift > 0) word[w + 1] |= mask.row(r)[w] >> (BitMask::kWordBits - shift);
         }
         update_row(y + r + 1);
     }
@@ -116,8 +117,8 @@ bool Occupancy::find_places(const Shape& shape, int y, std::vector<std::uint64_t
         return longest_gap_[static_cast<std::size_t>(row)] < run.length;
     };
     if (places <= 0 || std::ranges::any_of(shape.runs(), gap_is_too_short)) return false;
-    fits.assign(static_cast<std::size_t>((places + kBits - 1) / kBits), kAll);
-    if (places % kBits != 0) fits.back() = kAll >> (kBits - places % kBits);
+    fits.assign(static_cast<std::size_t>((places + BitMask::kWordBits - 1) / BitMask::kWordBits), kAll);
+    if (places % BitMask::kWordBits != 0) fits.back() = kAll >> (BitMask::kWordBits - places % BitMask::kWordBits);
     for (const auto& run : shape.runs()) {
         const unsigned half = std::bit_floor(static_cast<unsigned>(run.length)); // or more of the run
         const std::uint64_t* row = reach_[static_cast<std::size_t>(std::countr_zero(half))].row(y + run.row + 1);
@@ -133,8 +134,8 @@ int Occupancy::contact(const Shape& shape, int x, int y) const
     const BitMask& rim = shape.rim();
     int cells = 0;
     for (int r = 0; r < rim.height(); ++r)
-        for (int w = 0; w * kBits < rim.width(); ++w)
-            cells += std::popcount(rim.row(r)[w] & bits_from(reach_[0].row(y + r), x + w * kBits));
+        for (int w = 0; w * BitMask::kWordBits < rim.width(); ++w)
+            cells += std::popcount(rim.row(r)[w] & bits_from(reach_[0].row(y + r), x + w * BitMask::kWordBits));
     return cells;
 }
 

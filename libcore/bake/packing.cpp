@@ -16,7 +16,6 @@ namespace {
 constexpr double kGuessedUse = 0.93; // of a page by masks, to guess its width
 constexpr double kNear = 0.25;       // how far below the highest place another is near it, in shorter sides of the mask
 constexpr std::size_t kTurns = 4;
-constexpr int kBits = BitMask::kWordBits;
 
 int round_up(int value, int multiple) { return (value + multiple - 1) / multiple * multiple; }
 
@@ -88,11 +87,11 @@ private:
         std::vector<std::uint64_t> fits;
         if (!taken_.find_places(shape, y, fits)) return;
         for (std::size_t w = 0; w < fits.size(); ++w) {
-            const std::uint64_t before = w > 0 ? fits[w - 1] >> (kBits - 1) : 0;
-            const std::uint64_t after = w + 1 < fits.size() ? fits[w + 1] << (kBits - 1) : 0;
+            const std::uint64_t before = w > 0 ? fits[w - 1] >> (BitMask::kWordBits - 1) : 0;
+            const std::uint64_t after = w + 1 < fits.size() ? fits[w + 1] << (BitMask::kWordBits - 1) : 0;
             const std::uint64_t between = (fits[w] << 1 | before) & (fits[w] >> 1 | after);
             for (std::uint64_t ends = fits[w] & ~between; ends != 0; ends &= ends - 1) {
-                const int x = static_cast<int>(w) * kBits + std::countr_zero(ends);
+                const int x = static_cast<int>(w) * BitMask::kWordBits + std::countr_zero(ends);
                 const Place place{taken_.contact(shape, x, y), y + shape.mask().height(), x, turn};
                 if (!best || place < *best) best = place;
             }
