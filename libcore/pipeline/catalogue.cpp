@@ -45,7 +45,8 @@ std::vector<std::string> Catalogue::names()
     std::vector<fs::path> programs;
     for (const auto& entry : fs::directory_iterator(folder_)) {
         const std::string name = entry.path().filename().string();
-        if (is_program(entry.path()) && !name.starts_with("quoin") && !name.starts_with("test_") &&
+        const bool may_be_stage = entry.path().extension().empty(); // linkers make libraries executable too
+        if (may_be_stage && is_program(entry.path()) && !name.starts_with("quoin") && !name.starts_with("test_") &&
             !name.starts_with("bench_"))
             programs.push_back(entry.path());
     }
