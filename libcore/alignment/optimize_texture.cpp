@@ -9,6 +9,7 @@
 #include "base/progress.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <numbers>
 
@@ -132,6 +133,27 @@ AlignmentState in_frame_of_mesh(const AlignmentProblem& reference, const Alignme
     return state;
 }
 
+// Puts back the normals that went astray: turned beyond belief, and by it out of the dense cluster. Large planes turn
+// little, as cameras do; strips that round a crease off may turn over to one of its sides.
+AlignmentState without_stray_normals(const AlignmentProblem& reference, const AlignmentState& input,
+                                     AlignmentState state)
+{
+    const OptimizeTextureParams& params = reference.scene.params;
+    const double least_cosine = std::cos(params.max_rotation * std::numbers::pi / 180.0);
+    std::size_t strays = 0;
+    for (std::size_t p = 0; p < state.plane.size(); ++p) {
+        const PlaneScatter& cluster = reference.scatter[p];
+        const auto sum = [&](const Vector3& n) { return n.dot(cluster.scatter * n); }; // of squared distances
+        const Vector3 &was = input.plane[p].normal, &is = state.plane[p].normal;
+        const double tilt = sum(is) - sum(was), max_tilt = params.max_tilt * params.max_tilt * cluster.weight;
+        if (is.dot(was) >= least_cosine || tilt <= max_tilt) continue;
+        state.plane[p].normal = was;
+        ++strays;
+    }
+    if (strays > 0) log_info(fmt::format("{} of {} planes keep their input normal", strays, state.plane.size()));
+    return state;
+}
+
 void warn_of_blind_frames(const AlignmentProblem& reference)
 {
     const auto blind = std::ranges::count(reference.frame_is_free, 0);
@@ -185,7 +207,7 @@ Alignment optimize_texture(const AlignmentInput& input, const OptimizeTexturePar
     std::vector<std::vector<double>> rows{mean_energies(reference, start)};
     const auto record = [&](const AlignmentState& state) { rows.push_back(mean_energies(reference, state)); };
     AlignmentState state = in_frame_of_mesh(reference, start, minimize(source, start, record));
-    state = without_strays(reference, start, std::move(state));
+    state = without_strays(reference, start, without_stray_normals(reference, start, std::move(state)));
     record(state);
     if (!(rows.back()[0] <= rows.front()[0])) {
         log_warning("the alignment did not lower the energy; poses and planes stay as they were");

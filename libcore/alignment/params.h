@@ -98,6 +98,7 @@ struct OptimizeTextureParams {
     double max_translation = 0.3;
     double max_rotation = 10.0;
     double max_increase = 0.1;
+    double max_tilt = 0.005;
 
     static constexpr auto list()
     {
@@ -200,6 +201,11 @@ struct OptimizeTextureParams {
                   180.0},
             Param{"max_increase", &P::max_increase, "",
                   "a frame whose own energy grows by a larger part stays as it was", 0.0, 1e9},
+            Param{
+                "max_tilt", &P::max_tilt, "m",
+                "RMS distance to its dense cluster that a plane may add by a turn beyond max_rotation, or it keeps its "
+                "normal",
+                0.0, 1e6},
         };
     }
 };

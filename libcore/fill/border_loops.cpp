@@ -53,6 +53,7 @@ void add_simple_loops(const PlaneMesh& mesh, const std::vector<std::uint32_t>& c
         for (std::size_t i = open.size(); i-- > begin;) {
             loop.vertex.push_back(start_of(mesh.mesh, next_in_face(open[i])));
             loop.plane.push_back(mesh.face_plane[open[i] / 3]);
+            loop.face.push_back(open[i] / 3);
         }
         for (std::size_t i = begin; i < open.size(); ++i)
             position.erase(start_of(mesh.mesh, open[i]));

@@ -11,6 +11,7 @@ namespace quoin {
 struct BorderLoop {
     std::vector<VertexId> vertex;
     std::vector<PlaneId> plane; // of the face on each edge
+    std::vector<FaceId> face;   // on each edge
 };
 
 // In order of their first border edge. Where a border meets itself in a vertex, it is cut into loops there; borders

@@ -6,6 +6,7 @@
 #include "fill/free_space.h"
 #include "fill/patch.h"
 #include "fill/pockets.h"
+#include "fill/trim.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,17 +28,6 @@ void check(const FillHolesInput& input)
     const std::size_t frames = input.images.scan().frames.size();
     for (const FrameId id : input.keyframes.frame)
         if (id >= frames) throw InputError(fmt::format("keyframe {} is not in the scan of {} frames", id, frames));
-}
-
-Vector3d position_of(const PlaneMesh& mesh, const Patch& patch, VertexId v)
-{
-    const std::size_t known = mesh.mesh.position.size();
-    return v < known ? mesh.mesh.position[v].cast<double>() : patch.vertex[v - known];
-}
-
-std::array<Vector3d, 3> corners_of(const PlaneMesh& mesh, const Patch& patch, const Face& face)
-{
-    return {position_of(mesh, patch, face[0]), position_of(mesh, patch, face[1]), position_of(mesh, patch, face[2])};
 }
 
 double area_of(const std::array<Vector3d, 3>& c) { return (c[1] - c[0]).cross(c[2] - c[0]).norm() / 2.0; }
@@ -189,7 +179,8 @@ void append(const Patch& patch, const std::vector<Face>& faces, PlaneMesh& mesh)
     mesh.face_plane.insert(mesh.face_plane.end(), patch.plane.begin(), patch.plane.end());
 }
 
-Filled<PlaneMesh> with_patches(const PlaneMesh& planes, const Patches& patches, Outcome& outcome)
+Filled<PlaneMesh> with_patches(const PlaneMesh& planes, const Patches& patches, const FillHolesParams& params,
+                               Outcome& outcome)
 {
     PlaneMesh filled = planes;
     EdgeCount edges(planes.mesh.face);
@@ -199,8 +190,11 @@ Filled<PlaneMesh> with_patches(const PlaneMesh& planes, const Patches& patches, 
         if (!edges.try_add(faces)) continue;
         append(*patch, faces, filled);
         ++outcome.closed;
-        outcome.area += area_of(planes, *patch);
     }
+    const auto known = static_cast<FaceId>(planes.mesh.face.size());
+    trim_patches(filled, known, params.plane_distance);
+    for (FaceId f = known; f < filled.mesh.face.size(); ++f)
+        outcome.area += face_area(filled.mesh, f);
     filled.vertex_class = classify_vertices(filled.mesh, filled.face_plane);
     std::vector<std::uint8_t> marks(planes.mesh.face.size(), 0);
     marks.resize(filled.mesh.face.size(), 1);
@@ -226,7 +220,7 @@ Filled<PlaneMesh> fill_holes(const FillHolesInput& input, const FillHolesParams&
     outcome.loops = loops.size();
     drop_flat_and_large(input.planes, params.max_area, patches, outcome);
     drop_open(input, params, patches, outcome);
-    Filled<PlaneMesh> filled = with_patches(input.planes, patches, outcome);
+    Filled<PlaneMesh> filled = with_patches(input.planes, patches, params, outcome);
     report(outcome);
     return filled;
 }

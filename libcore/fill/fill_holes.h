@@ -59,9 +59,10 @@ struct FillHolesInput {
     const Alignment& alignment;
 };
 
-// The mesh's vertices and faces first, and behind them what closes holes. Edges keep at most two faces, new vertices
-// lie where planes meet, planes and moments stay. Throws InputError when keyframes and alignment do not belong together
-// or a depth image cannot be read.
+// The mesh's vertices and faces first, and behind them what closes holes. Edges keep at most two faces, no face is
+// folded onto another one, looks away from its plane or parts a plane that was not so before; new vertices lie where
+// planes meet, planes and moments stay. Throws InputError when keyframes and alignment do not belong together or a
+// depth image cannot be read.
 Filled<PlaneMesh> fill_holes(const FillHolesInput& input, const FillHolesParams& params);
 
 } // namespace quoin

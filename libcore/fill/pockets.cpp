@@ -78,8 +78,10 @@ BorderLoop loop_of(const BorderLoop& loop, const Bay& bay)
 {
     BorderLoop piece;
     for (std::size_t k = 0; k <= bay.edges; ++k) {
-        piece.vertex.push_back(loop.vertex[(bay.begin + k) % loop.vertex.size()]);
-        piece.plane.push_back(k < bay.edges ? loop.plane[(bay.begin + k) % loop.vertex.size()] : kNoPlane);
+        const std::size_t i = (bay.begin + k) % loop.vertex.size();
+        piece.vertex.push_back(loop.vertex[i]);
+        piece.plane.push_back(k < bay.edges ? loop.plane[i] : kNoPlane);
+        if (k < bay.edges) piece.face.push_back(loop.face[i]);
     }
     return piece;
 }

@@ -1,5 +1,7 @@
 #include "fill/patch.h"
 
+#include "mesh/hygiene.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -59,6 +61,17 @@ bool are_distinct(const std::vector<Change>& changes)
 }
 
 } // namespace
+
+Vector3d position_of(const PlaneMesh& mesh, const Patch& patch, VertexId v)
+{
+    const std::size_t known = mesh.mesh.position.size();
+    return v < known ? position_of(mesh, v) : patch.vertex[v - known];
+}
+
+std::array<Vector3d, 3> corners_of(const PlaneMesh& mesh, const Patch& patch, const Face& face)
+{
+    return {position_of(mesh, patch, face[0]), position_of(mesh, patch, face[1]), position_of(mesh, patch, face[2])};
+}
 
 Outline outline_of(const PlaneMesh& mesh, const BorderLoop& loop)
 {
@@ -295,6 +308,18 @@ std::optional<Patch> Proposer::between_planes(const BorderLoop& loop, const std:
     return Corner(mesh_, loop, vertex_planes_, params_, planes).close();
 }
 
+namespace {
+
+// Of the face on an edge of the loop.
+VertexId third_vertex(const PlaneMesh& mesh, const BorderLoop& loop, std::size_t edge)
+{
+    const Face& face = mesh.mesh.face[loop.face[edge]];
+    const VertexId a = loop.vertex[edge], b = loop.vertex[(edge + 1) % loop.vertex.size()];
+    return *std::ranges::find_if(face, [&](VertexId v) { return v != a && v != b; });
+}
+
+} // namespace
+
 // All faces get the plane along the border that the whole loop lies nearest to, so that no plane falls apart. A loop
 // around a loose piece would be closed by its back.
 std::optional<Patch> Proposer::anyhow(const BorderLoop& loop) const
@@ -306,7 +331,10 @@ std::optional<Patch> Proposer::anyhow(const BorderLoop& loop) const
         facing += signed_area(outline, mesh_.plane[loop.plane[i]].normal);
     }
     if (length > params_.max_rest_border || facing <= 0.0) return std::nullopt;
-    auto faces = triangulate_in_space(outline);
+    std::vector<Vector3d> beside;
+    for (std::size_t i = 0; i < loop.vertex.size(); ++i)
+        beside.push_back(position_of(mesh_, third_vertex(mesh_, loop, i)));
+    auto faces = triangulate_in_space(outline, beside);
     if (!faces) return std::nullopt;
     const auto worst = [&](PlaneId p) {
         double distance = 0.0;
@@ -320,25 +348,53 @@ std::optional<Patch> Proposer::anyhow(const BorderLoop& loop) const
     return Patch{{}, std::move(*faces), std::vector<PlaneId>(count, plane)};
 }
 
+// Does no face of the patch look away from its plane, nor lie folded on another one or on the loop's?
+bool Proposer::is_clean(const BorderLoop& loop, const Patch& patch) const
+{
+    std::map<std::pair<VertexId, VertexId>, Vector3d> normal; // of the face on the right of an edge, by its ends
+    for (std::size_t i = 0; i < loop.face.size(); ++i)
+        normal[{loop.vertex[(i + 1) % loop.vertex.size()], loop.vertex[i]}] = face_normal(mesh_.mesh, loop.face[i]);
+    for (std::size_t f = 0; f < patch.face.size(); ++f) {
+        const auto c = corners_of(mesh_, patch, patch.face[f]);
+        const Vector3d n = (c[1] - c[0]).cross(c[2] - c[0]).normalized();
+        if (n.dot(mesh_.plane[patch.plane[f]].normal) < 0.0) return false;
+        for (std::size_t k = 0; k < 3; ++k)
+            normal[{patch.face[f][k], patch.face[f][(k + 1) % 3]}] = n;
+    }
+    return std::ranges::none_of(normal, [&](const auto& edge) {
+        const auto across = normal.find({edge.first.second, edge.first.first});
+        return across != normal.end() && edge.second.dot(across->second) < HygieneLimits{}.folded_cosine;
+    });
+}
+
 std::optional<Patch> Proposer::propose(const BorderLoop& loop) const
 {
-    if (auto patch = propose_bay(loop)) return patch;
-    return anyhow(loop);
+    auto patch = propose_bay(loop);
+    if (patch && is_clean(loop, *patch)) return patch;
+    auto any = anyhow(loop);
+    return any && (!patch || is_clean(loop, *any)) ? any : patch;
 }
 
 std::optional<Patch> Proposer::propose_bay(const BorderLoop& loop) const
 {
     const auto planes = candidates_of(loop);
+    std::optional<Patch> first;
+    const auto is_found = [&](std::optional<Patch> patch) {
+        if (!patch) return false;
+        const bool clean = is_clean(loop, *patch);
+        if (clean || !first) first = std::move(patch);
+        return clean;
+    };
     for (std::size_t i = 0; i < planes.size(); ++i)
         for (std::size_t j = 0; j < i; ++j)
-            if (auto patch = between_planes(loop, {planes[j], planes[i]})) return patch;
+            if (is_found(between_planes(loop, {planes[j], planes[i]}))) return first;
     for (std::size_t i = 0; i < planes.size(); ++i)
         for (std::size_t j = 0; j < i; ++j)
             for (std::size_t k = 0; k < j; ++k)
-                if (auto patch = between_planes(loop, {planes[k], planes[j], planes[i]})) return patch;
+                if (is_found(between_planes(loop, {planes[k], planes[j], planes[i]}))) return first;
     for (const PlaneId plane : planes)
-        if (auto patch = on_one_plane(loop, plane)) return patch;
-    return std::nullopt;
+        if (is_found(on_one_plane(loop, plane))) return first;
+    return first;
 }
 
 } // namespace quoin

@@ -8,14 +8,26 @@
 
 namespace quoin {
 
-std::optional<std::vector<Face>> triangulate_in_space(const Outline& outline)
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+
+std::vector<Kernel::Point_3> to_points(const std::vector<Eigen::Vector3d>& positions)
 {
-    using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
     std::vector<Kernel::Point_3> points;
-    for (const auto& p : outline.position)
+    for (const auto& p : positions)
         points.emplace_back(p.x(), p.y(), p.z());
+    return points;
+}
+
+} // namespace
+
+std::optional<std::vector<Face>> triangulate_in_space(const Outline& outline,
+                                                      const std::vector<Eigen::Vector3d>& beside)
+{
     std::vector<CGAL::Triple<int, int, int>> triangles;
-    CGAL::Polygon_mesh_processing::triangulate_hole_polyline(points, std::back_inserter(triangles));
+    CGAL::Polygon_mesh_processing::triangulate_hole_polyline(to_points(outline.position), to_points(beside),
+                                                             std::back_inserter(triangles));
     std::vector<Face> faces;
     for (const auto& t : triangles)
         faces.push_back({outline.vertex[static_cast<std::size_t>(t.first)],

@@ -6,6 +6,7 @@
 #include "mesh/adjacency.h"
 #include "mesh/creases.h"
 #include "mesh/flip_guard.h"
+#include "mesh/plane_parts.h"
 #include "refine/linear_system.h"
 
 #include <algorithm>
@@ -295,6 +296,8 @@ PlaneMesh optimize_geometry(const PlaneMesh& mesh, const std::vector<Plane>& pla
         hold_back_flips(result, mesh.mesh.position, {.min_cosine = std::cos(radians(params.max_deviation))});
     log_info(fmt::format("{} of {} vertices were held back so that no face turns over, folds or shrinks to a line",
                          held, x.rows()));
+    separate_parts(result, params.max_plane_rms, PlaneParts::OneSided);
+    result.vertex_class = classify_vertices(result.mesh, result.face_plane);
     return result;
 }
 

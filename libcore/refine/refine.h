@@ -62,10 +62,11 @@ struct OptimizeGeometryParams {
 };
 
 // Moves the vertices of `mesh` onto `planes`, which become its planes: one for each, in the same order, e.g. those of
-// an Alignment. Connectivity, moments and classes stay; normals that point away from the faces they had are turned
-// over. No vertex moves by more than max_move, and no face turns over against its plane, folds onto a neighbour or
-// shrinks to a line that was not so before. Faces pull by area, so planes that explain their cluster badly keep its
-// shape. Throws InputError if the number of planes differs or one is not finite.
+// an Alignment. Connectivity and moments stay; normals that point away from the faces they had are turned over. No
+// vertex moves by more than max_move, and no face folds onto a neighbour or shrinks to a line that was not so before.
+// No face looks away from its plane: those that would go over to a plane beside them, within max_plane_rms, or to new
+// ones behind all others. Faces pull by area, so planes that explain their cluster badly keep its shape. Throws
+// InputError if the number of planes differs or one is not finite.
 PlaneMesh optimize_geometry(const PlaneMesh& mesh, const std::vector<Plane>& planes,
                             const OptimizeGeometryParams& params);
 

@@ -2,7 +2,6 @@
 
 #include "geometry/union_find.h"
 #include "mesh/adjacency.h"
-#include "simplify/parts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -210,10 +209,10 @@ void clean_input(PlaneMesh& mesh, const SimplifyParams& params)
     FanSplitter(mesh).split();
 }
 
-void finish(PlaneMesh& mesh, const SimplifyParams& params)
+void finish(PlaneMesh& mesh, const SimplifyParams& params, PlaneParts parts)
 {
     FanSplitter(mesh).split();
-    separate_parts(mesh, params.snap_distance);
+    separate_parts(mesh, params.snap_distance, parts);
     drop_unused_vertices(mesh.mesh);
     drop_empty_planes(mesh);
     mesh.vertex_class = classify_vertices(mesh.mesh, mesh.face_plane);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "mesh/plane_parts.h"
 #include "simplify/simplify.h"
 
 namespace quoin {
@@ -10,9 +11,9 @@ namespace quoin {
 // were.
 void clean_input(PlaneMesh& mesh, const SimplifyParams& params);
 
-// Splits vertices like clean_input(). Where a plane fell into parts that share no edge, all but the largest go over to
-// a plane beside them that explains them within params.snap_distance, or become planes of their own. Drops vertices and
-// planes without faces, renumbering in order, and finds classes anew.
-void finish(PlaneMesh& mesh, const SimplifyParams& params);
+// Splits vertices like clean_input(). Where a plane fell into parts, all but the largest go over to a plane beside them
+// that explains them within params.snap_distance, or become planes of their own. Drops vertices and planes without
+// faces, renumbering in order, and finds classes anew.
+void finish(PlaneMesh& mesh, const SimplifyParams& params, PlaneParts parts);
 
 } // namespace quoin

@@ -64,9 +64,9 @@ PlaneMesh simplify(const PlaneMesh& mesh, const SimplifyParams& params)
     if (params.snap_distance > 0.0) trim_ears(result, params);
     result.vertex_class = classify_vertices(result.mesh, result.face_plane);
     result = within_budget(result, params);
-    finish(result, params);
+    finish(result, params, PlaneParts::Joined);
     unfold(result, params);
-    finish(result, params);
+    finish(result, params, PlaneParts::OneSided);
     log_info(fmt::format("{} faces in {} planes are left of {}", result.mesh.face.size(), result.plane.size(),
                          mesh.mesh.face.size()));
     return result;

@@ -125,6 +125,7 @@ public:
 
     std::size_t run()
     {
+        give_away_empty_planes();
         std::size_t changes = 0;
         for (int pass = 0; pass < kUnfoldPasses; ++pass) {
             const std::size_t before = changes;
@@ -148,6 +149,7 @@ private:
     std::vector<FaceId> beside(const std::vector<FaceId>& inner) const;
     Pieces pieces(const std::vector<FaceId>& faces) const;
     bool is_defective(FaceId f) const;
+    void give_away_empty_planes();
     bool improve(FaceId f);
     void try_contraction(VertexId kept, VertexId gone, std::optional<Change>& best);
     void try_flip(FaceId f, VertexId a, VertexId b, std::optional<Change>& best) const;
@@ -202,6 +204,21 @@ bool Unfolder::is_defective(FaceId f) const
     for (const FaceId g : beside({f}))
         all.push_back(piece(g));
     return defects(all, 1, planes_.plane) > 0;
+}
+
+// A face without area that is all of its plane could not be contracted: the plane would lose it.
+void Unfolder::give_away_empty_planes()
+{
+    for (FaceId f = 0; f < mesh_.face_count(); ++f) {
+        const Triangle t = piece(f).corner;
+        const double longest = std::max({(t[1] - t[0]).norm(), (t[2] - t[1]).norm(), (t[0] - t[2]).norm()});
+        if (triangle_shape(t[0], t[1], t[2]).shape * longest > kZeroHeight) continue;
+        const auto neighbours = beside({f});
+        PlaneId& plane = planes_.face_plane[f];
+        if (!neighbours.empty() && std::none_of(neighbours.begin(), neighbours.end(),
+                                                [&](FaceId g) { return planes_.face_plane[g] == plane; }))
+            plane = planes_.face_plane[neighbours[0]];
+    }
 }
 
 // Applies the change of the face's or its neighbours' edges that gains most. Is there one?

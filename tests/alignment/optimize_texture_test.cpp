@@ -69,6 +69,15 @@ void expect_finite(const Alignment& alignment)
             EXPECT_TRUE(std::isfinite(value));
 }
 
+// A square of 2 m on a plane.
+Moments moments_of_square(const Plane& plane, const Eigen::Vector3d& center)
+{
+    const Eigen::Vector3d u = plane.normal.unitOrthogonal(), v = plane.normal.cross(u);
+    Moments moments = triangle_moments(center - u - v, center + u - v, center + u + v);
+    moments += triangle_moments(center - u - v, center + u + v, center - u + v);
+    return moments;
+}
+
 TEST(OptimizeTexture, BringsDisturbedCamerasBack)
 {
     const auto room = textured_room({});
@@ -118,6 +127,29 @@ TEST(OptimizeTexture, MovesPlanesToTheirTrueOffsetsUnderTrueCameras)
         for (const std::size_t wall : {0, 4}) // those in view
             EXPECT_NEAR(alignment.plane[wall].offset, room.true_plane[wall].offset, 0.003) << lambda_d;
     }
+}
+
+// Where the normal and the cluster of a wall are 2 degrees off, depths and colours turn it back by more than half.
+TEST(OptimizeTexture, KeepsNormalsThatWouldTurnBeyondBelief)
+{
+    auto room = textured_room({.position_noise = 0.0, .rotation_noise = 0.0});
+    const Plane truth = room.true_plane[0];
+    const Eigen::Vector3d center = room.mesh.moments[0].centroid();
+    const Eigen::AngleAxisd turn(2.0 * std::numbers::pi / 180.0, truth.normal.unitOrthogonal());
+    const Eigen::Vector3d turned = turn * truth.normal;
+    room.mesh.plane[0] = {turned, -turned.dot(center)};
+    room.mesh.moments[0] = moments_of_square(room.mesh.plane[0], center);
+    auto params = small_room_params();
+    params.optimize_poses = false;
+    const auto angle_to_truth = [&](double max_rotation, double max_tilt) {
+        params.max_rotation = max_rotation;
+        params.max_tilt = max_tilt;
+        const double cosine = align(room, params).plane[0].normal.dot(truth.normal);
+        return std::acos(std::min(1.0, cosine)) * 180.0 / std::numbers::pi;
+    };
+    EXPECT_LT(angle_to_truth(10.0, 0.005), 1.0);
+    EXPECT_LT(angle_to_truth(1.0, 0.5), 1.0);
+    EXPECT_NEAR(angle_to_truth(1.0, 0.005), 2.0, 1e-6);
 }
 
 TEST(OptimizeTexture, FindsTheGainsOfTheFrames)

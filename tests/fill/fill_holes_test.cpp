@@ -130,6 +130,30 @@ TEST_F(FillHoles, ClosesAHoleInAWall)
     EXPECT_TRUE(std::equal(open.mesh.face.begin(), open.mesh.face.end(), result.mesh.mesh.face.begin()));
 }
 
+// A flap of the rim lies folded on the wall, 5 mm in front of it: what would run into it stays open, the rest closes.
+TEST_F(FillHoles, FoldsOntoNothingThatWasThere)
+{
+    PlaneMesh open = without(room(), in_wall);
+    const auto loops = border_loops(open);
+    ASSERT_EQ(loops.size(), 1u);
+    const VertexId a = loops[0].vertex[0], b = loops[0].vertex[1];
+    const Vector3d tip = middle(open, loops[0].face[0]) + Vector3d(0.0, 0.005, 0.0);
+    open.mesh.position.push_back(tip.cast<float>());
+    open.mesh.face.push_back({a, b, static_cast<VertexId>(open.mesh.position.size() - 1)});
+    open.face_plane.push_back(static_cast<PlaneId>(open.plane.size()));
+    open.plane.push_back(open.plane[kFront].flipped());
+    open.moments.emplace_back();
+    open.vertex_class = classify_vertices(open.mesh, open.face_plane);
+    const Hygiene before = inspect(open);
+    ASSERT_EQ(before.folded_pairs, 1u);
+    const Filled<PlaneMesh> result = filled(open, *closed_);
+    const Hygiene after = inspect(result.mesh);
+    EXPECT_EQ(after.folded_pairs, before.folded_pairs);
+    EXPECT_EQ(after.flipped_faces + after.bow_tie_vertices + after.disconnected_planes, 0u);
+    EXPECT_GT(area_of(result.mesh), area_of(open) + 0.9 * (area_of(room()) - area_of(without(room(), in_wall))));
+    EXPECT_LT(after.border_edges, before.border_edges);
+}
+
 TEST_F(FillHoles, LeavesAWindowOpenThatRaysPassThrough)
 {
     const PlaneMesh open = without(room(), in_wall);

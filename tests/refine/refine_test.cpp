@@ -75,6 +75,23 @@ TEST(OptimizeGeometry, RestoresTheCreasesOfARoundedBox)
     EXPECT_EQ(inspect(result).folded_pairs, 0u);
 }
 
+// A flap on the edge of the box is steep to its plane, which turns by 20 degrees.
+TEST(OptimizeGeometry, GivesFacesAnotherPlaneThatTheirsTurnedAwayFrom)
+{
+    auto mesh = join_sheets({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 8}, {{0, 1, 0}, {1, 0, 0}, {0, 0.003, -0.03}, 8}});
+    std::ranges::fill(mesh.face_plane, 0u);
+    mesh.plane.pop_back();
+    mesh.moments.pop_back();
+    mesh.vertex_class = classify_vertices(mesh.mesh, mesh.face_plane);
+    ASSERT_EQ(inspect(mesh).flipped_faces, 0u);
+    const Eigen::Vector3d turned = Eigen::AngleAxisd(0.35, Eigen::Vector3d::UnitX()) * Eigen::Vector3d::UnitZ();
+    const auto result = optimize_geometry(mesh, {{turned, -turned.dot(Eigen::Vector3d(0.5, 0.5, 0.0))}}, {});
+    EXPECT_EQ(inspect(result).flipped_faces, 0u);
+    EXPECT_EQ(inspect(result).disconnected_planes, 0u);
+    EXPECT_EQ(result.plane.size(), 2u);
+    EXPECT_EQ(result.plane.size(), result.moments.size());
+}
+
 TEST(OptimizeGeometry, FlattensANoisyBoxWithoutFlips)
 {
     const auto noisy = with_noise(box({1, 1, 1}, 10), 0.01f);

@@ -60,6 +60,21 @@ TEST(Unfold, LeavesASheetThatIsLargerThanTheError)
     EXPECT_EQ(mesh.mesh.face, sheet_with_tab().mesh.face);
 }
 
+TEST(Unfold, TakesAFaceWithoutAreaOutThatIsAllOfItsPlane)
+{
+    PlaneMesh mesh = join_sheets({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 1}});
+    mesh.mesh.position.emplace_back(0.01f, 0.0f, 0.0f); // on the edge from 0 to 1
+    mesh.mesh.face.push_back({1, 0, 4});
+    mesh.face_plane.push_back(1);
+    mesh.plane.push_back({Eigen::Vector3d::UnitY(), 0.0});
+    mesh.moments.emplace_back();
+    mesh.vertex_class = classify_vertices(mesh.mesh, mesh.face_plane);
+    ASSERT_EQ(inspect(mesh).zero_area_faces, 1u);
+    unfold(mesh, {});
+    const Hygiene after = inspect(mesh);
+    EXPECT_EQ(after.zero_area_faces + after.flipped_faces + manifold_defects(after), 0u);
+}
+
 TEST(Unfold, LeavesAMeshWithoutDefectsAsItIs)
 {
     PlaneMesh mesh = box({1, 1, 1}, 4);
