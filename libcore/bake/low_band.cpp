@@ -10,29 +10,58 @@ LowBand::LowBand(const Image<WeightedColor>& texels, int cell)
 {
     for (int y = 0; y < texels.height; ++y)
         for (int x = 0; x < texels.width; ++x)
-            if (const auto& texel = texels.at(x, y); texel.weight > 0.0f)
-                cells_.at(x / cell, y / cell).add(texel.color(), 1.0f);
+            if (const auto& texel = texels.at(x, y); texel.weight > 0.0f) {
+                Cell& c = cells_.at(x / cell, y / cell);
+                c.color.add(texel.color(), 1.0f);
+                c.place += Eigen::Vector2i(x, y).cast<float>();
+            }
     smooth();
+    find_slopes();
 }
 
 void LowBand::smooth()
 {
     constexpr std::array<float, 5> kBinomial{1.0f / 16, 4.0f / 16, 6.0f / 16, 4.0f / 16, 1.0f / 16};
     const auto pass = [&](int dx, int dy) {
-        Image<WeightedColor> result(cells_.width, cells_.height);
+        Image<Cell> result(cells_.width, cells_.height);
         for (int y = 0; y < cells_.height; ++y)
             for (int x = 0; x < cells_.width; ++x)
                 for (int k = -2; k <= 2; ++k) {
                     const int nx = x + k * dx, ny = y + k * dy;
                     if (!cells_.contains(nx, ny)) continue;
-                    const float w = kBinomial[static_cast<std::size_t>(k + 2)];
-                    result.at(x, y).sum += w * cells_.at(nx, ny).sum;
-                    result.at(x, y).weight += w * cells_.at(nx, ny).weight;
+                    const float w = kBinomial.at(static_cast<std::size_t>(k) + 2);
+                    result.at(x, y).color.sum += w * cells_.at(nx, ny).color.sum;
+                    result.at(x, y).color.weight += w * cells_.at(nx, ny).color.weight;
+                    result.at(x, y).place += w * cells_.at(nx, ny).place;
                 }
         cells_ = std::move(result);
     };
     pass(1, 0);
     pass(0, 1);
+}
+
+// Least squares over the cells around. Where their places hardly differ along some direction the slope there stays 0.
+void LowBand::find_slopes()
+{
+    for (auto& cell : cells_.pixels)
+        if (cell.color.weight > 0.0f) cell.place /= cell.color.weight;
+    const float stiffness = static_cast<float>(cell_ * cell_) / 4.0f;
+    for (int y = 0; y < cells_.height; ++y)
+        for (int x = 0; x < cells_.width; ++x) {
+            Cell& cell = cells_.at(x, y);
+            if (cell.color.weight <= 0.0f) continue;
+            Eigen::Matrix2f places = stiffness * Eigen::Matrix2f::Identity();
+            Eigen::Matrix<float, 3, 2> colors = Eigen::Matrix<float, 3, 2>::Zero();
+            for (int j = std::max(0, y - 1); j <= std::min(cells_.height - 1, y + 1); ++j)
+                for (int i = std::max(0, x - 1); i <= std::min(cells_.width - 1, x + 1); ++i) {
+                    const Cell& other = cells_.at(i, j);
+                    if (other.color.weight <= 0.0f) continue;
+                    const Eigen::Vector2f step = other.place - cell.place;
+                    places += step * step.transpose();
+                    colors += (other.color.color() - cell.color.color()) * step.transpose();
+                }
+            cell.slope = colors * places.inverse();
+        }
 }
 
 Eigen::Vector3f LowBand::at(int x, int y) const
@@ -45,10 +74,11 @@ Eigen::Vector3f LowBand::at(int x, int y) const
     const int x0 = static_cast<int>(cx), y0 = static_cast<int>(cy);
     const int x1 = std::min(x0 + 1, cells_.width - 1), y1 = std::min(y0 + 1, cells_.height - 1);
     const float fx = cx - static_cast<float>(x0), fy = cy - static_cast<float>(y0);
+    const Eigen::Vector2f here(static_cast<float>(x), static_cast<float>(y));
     WeightedColor mean;
     const auto mix = [&](int i, int j, float w) {
-        mean.sum += w * cells_.at(i, j).sum;
-        mean.weight += w * cells_.at(i, j).weight;
+        const Cell& c = cells_.at(i, j);
+        if (c.color.weight > 0.0f) mean.add(c.color.color() + c.slope * (here - c.place), w * c.color.weight);
     };
     mix(x0, y0, (1 - fx) * (1 - fy));
     mix(x1, y0, fx * (1 - fy));

@@ -1,4 +1,5 @@
-// Coarse colours of an image with holes: means over cells, smoothed and interpolated, ignoring what is unknown.
+// Coarse colours of an image with holes: means over cells, smoothed and interpolated, ignoring what is unknown. Where
+// the known texels lie to one side, as at the end of what a view sees, their mean is carried on along its slope.
 #pragma once
 
 #include "bake/texel_colors.h"
@@ -13,10 +14,18 @@ public:
     Eigen::Vector3f at(int x, int y) const;
 
 private:
+    // The known texels about a cell: their mean colour and place [texel], and how the colour changes from place to
+    // place.
+    struct Cell {
+        WeightedColor color;
+        Eigen::Vector2f place = Eigen::Vector2f::Zero(); // times the weight until `slope` is known
+        Eigen::Matrix<float, 3, 2> slope = Eigen::Matrix<float, 3, 2>::Zero();
+    };
     void smooth();
+    void find_slopes();
 
     int cell_;
-    Image<WeightedColor> cells_;
+    Image<Cell> cells_;
 };
 
 } // namespace quoin
