@@ -19,10 +19,10 @@ void StoreOptions::add_to(OptionParser& parser)
 Store StoreOptions::open() const
 {
     const char* variable = std::getenv("QUOIN_STORE");
-    fs::path root = !store.empty() ? fs::path(store) : variable ? fs::path(variable) : fs::path(out) / ".store";
+    const fs::path root = !store.empty() ? fs::path(store) : variable ? fs::path(variable) : fs::path(out) / ".store";
     if (!fs::is_directory(root / "v1"))
         throw InputError(fmt::format("{}: there is no store; name one with --store or $QUOIN_STORE", root.string()));
-    return Store(std::move(root));
+    return Store(root);
 }
 
 } // namespace quoin

@@ -166,20 +166,28 @@ std::vector<DepthSample> sample_frame(const AlignmentScene& scene, const Alignme
     return samples;
 }
 
-double mean_gradient(const AlignmentScene& scene, const AlignmentState& state, const Texels& texels,
-                     const Observations& observations, TexelId t, int level)
+// The mean length of the image gradient where the frames see a texel, for each texel.
+std::vector<float> mean_gradients(const AlignmentScene& scene, const AlignmentState& state, const Texels& texels,
+                                  const Observations& observations, int level)
 {
     const Camera camera = state.color.camera.at_level(level);
-    const CenteredPlane& plane = state.plane[texels.plane[t]];
-    const Vector3 p_world = plane.project(texels.p_world[t].cast<double>());
-    double sum = 0.0;
-    for (std::uint32_t i = observations.first_of_texel[t]; i < observations.first_of_texel[t + 1]; ++i) {
-        const std::uint32_t k = observations.frame[observations.of_texel[i]];
-        const Eigen::Vector2d u = camera.project(state.color.color_from_depth * (state.camera_from_world[k] * p_world));
-        const GraySample gray = sample_gray(scene.images[k].gray[static_cast<std::size_t>(level)], u.x(), u.y());
-        sum += std::hypot(gray.gx, gray.gy);
-    }
-    return observations.views(t) > 0 ? sum / observations.views(t) : 0.0;
+    const auto mean_of = [&](std::size_t t) {
+        const std::uint32_t views = observations.views(static_cast<TexelId>(t));
+        const Vector3 p_world = state.plane[texels.plane[t]].project(texels.p_world[t].cast<double>());
+        double sum = 0.0;
+        for (std::uint32_t i = observations.first_of_texel[t]; i < observations.first_of_texel[t + 1]; ++i) {
+            const std::uint32_t k = observations.frame[observations.of_texel[i]];
+            const Vector3 p_camera = state.camera_from_world[k] * p_world;
+            const Eigen::Vector2d u = camera.project(state.color.color_from_depth * p_camera);
+            const GraySample gray = sample_gray(scene.images[k].gray[static_cast<std::size_t>(level)], u.x(), u.y());
+            sum += std::hypot(gray.gx, gray.gy);
+        }
+        return static_cast<float>(views > 0 ? sum / views : 0.0);
+    };
+    std::vector<float> mean(texels.size());
+    parallel_for(
+        mean.size(), [&](std::size_t t) { mean[t] = mean_of(t); }, 1024);
+    return mean;
 }
 
 } // namespace
@@ -217,14 +225,7 @@ std::vector<std::uint8_t> select_texels(const AlignmentScene& scene, const Align
                                         const Observations& observations, int level)
 {
     const OptimizeTextureParams& params = scene.params;
-    std::vector<float> gradient(texels.size());
-    parallel_for(
-        texels.size(),
-        [&](std::size_t t) {
-            gradient[t] =
-                static_cast<float>(mean_gradient(scene, state, texels, observations, static_cast<TexelId>(t), level));
-        },
-        1024);
+    const std::vector<float> gradient = mean_gradients(scene, state, texels, observations, level);
     const auto bucket_of = [&](TexelId t) {
         const auto floor_div = [&](int a) { return (a >= 0 ? a : a - params.bucket + 1) / params.bucket; };
         return std::tuple(texels.plane[t], floor_div(texels.cell[t][1]), floor_div(texels.cell[t][0]));

@@ -100,7 +100,7 @@ struct OptimizeTextureParams {
     double max_increase = 0.1;
     double max_tilt = 0.005;
 
-    static constexpr auto list()
+    static constexpr auto list() // NOLINT(readability-function-size): a table, one entry a parameter
     {
         using P = OptimizeTextureParams;
         return std::tuple{

@@ -18,7 +18,8 @@ Fit with_better_exposures(const AlignmentProblem& problem, Fit current)
 {
     Fit candidate = with_exposures(problem, current,
                                    estimate_exposures(problem.observations, current.observed, problem.scene.params));
-    return candidate.energy.total() < current.energy.total() ? candidate : current;
+    if (candidate.energy.total() < current.energy.total()) return candidate;
+    return current;
 }
 
 // The best of the steps with rising damping, or the state itself. `damping` is left at what the next step should try.

@@ -76,7 +76,9 @@ struct Artifact {
     void add(const std::string& name, std::vector<std::size_t> shape, const std::vector<T>& values)
     {
         static_assert(std::is_trivially_copyable_v<T> || sizeof(T) % sizeof(Element) == 0);
-        add_bytes(name, dtype_of<Element>(), std::move(shape), std::as_bytes(std::span(values)));
+        const DType type = dtype_of<Element>();
+        const std::span<const std::byte> bytes = std::as_bytes(std::span(values));
+        add_bytes(name, type, std::move(shape), bytes);
     }
     void add_bytes(const std::string& name, DType type, std::vector<std::size_t> shape,
                    std::span<const std::byte> bytes);

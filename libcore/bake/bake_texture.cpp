@@ -68,17 +68,18 @@ void set_uv(const Atlas& atlas, TexturedMesh& textured)
     for (std::uint32_t c = 0; c < atlas.chart.size(); ++c) {
         const TexelChart& texels = atlas.chart[c];
         const Eigen::Array2d page(atlas.page[texels.page].width, atlas.page[texels.page].height);
+        const auto add_uv = [&](VertexId v) {
+            chart_of_uv[v] = c;
+            uv_of_vertex[v] = static_cast<std::uint32_t>(textured.uv.size());
+            const Eigen::Array2d pixel =
+                texels.texel(mesh.position[v].cast<double>()).array() + Eigen::Array2d(texels.x, texels.y);
+            textured.uv.emplace_back(((pixel + 0.5) / page).cast<float>());
+        };
         for (const FaceId f : texels.chart.face) {
             textured.face_page[f] = texels.page;
             for (std::size_t k = 0; k < 3; ++k) {
                 const VertexId v = mesh.face[f][k];
-                if (chart_of_uv[v] != c) {
-                    chart_of_uv[v] = c;
-                    uv_of_vertex[v] = static_cast<std::uint32_t>(textured.uv.size());
-                    const Eigen::Array2d pixel =
-                        texels.texel(mesh.position[v].cast<double>()).array() + Eigen::Array2d(texels.x, texels.y);
-                    textured.uv.emplace_back(((pixel + 0.5) / page).cast<float>());
-                }
+                if (chart_of_uv[v] != c) add_uv(v);
                 textured.corner_uv[f][k] = uv_of_vertex[v];
             }
         }

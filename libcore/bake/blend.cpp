@@ -129,7 +129,7 @@ private:
         Image<WeightedColor> texel;
     };
     Patch sample(const TextureView& view, const TileWeights& weights);
-    void sample_tile(const TextureView& view, const TileWeights& weights, Eigen::Vector2i tile, Patch& patch);
+    void sample_tile(const TextureView& view, const TileWeights& weights, const Eigen::Vector2i& tile, Patch& patch);
     void add_best(const Patch& patch, const TileWeights& weights);
 
     const TexelChart* texels_;
@@ -141,7 +141,8 @@ private:
     Image<WeightedColor> best_; // whole colours (best-view) or those above the low band (two-band)
 };
 
-void ChartBlend::sample_tile(const TextureView& view, const TileWeights& weights, Eigen::Vector2i tile, Patch& patch)
+void ChartBlend::sample_tile(const TextureView& view, const TileWeights& weights, const Eigen::Vector2i& tile,
+                             Patch& patch)
 {
     const bool plain_mean = params_->blend == Blend::Mean;
     const double density = texels_->chart.density;

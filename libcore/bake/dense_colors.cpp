@@ -85,7 +85,7 @@ std::optional<Eigen::Vector3f> DenseColors::at(const Eigen::Vector3d& p_world,
                                                const Eigen::Vector3d& normal_world) const
 {
     for (int rings = 1; rings <= kRings; ++rings)
-        if (const auto color = within(rings, p_world.cast<float>(), normal_world.cast<float>())) return color;
+        if (auto color = within(rings, p_world.cast<float>(), normal_world.cast<float>())) return color;
     return std::nullopt;
 }
 

@@ -123,6 +123,20 @@ int page_width(const std::vector<BitMask>& masks, int max_side, int multiple)
     return std::min(max_side, round_up(std::max(side, longest), multiple));
 }
 
+struct PlaceOnPage {
+    std::size_t page;
+    Place place;
+};
+
+// The first page with room for a mask; a new one, of the given size, if none has.
+PlaceOnPage find_page(std::vector<Page>& pages, const Turns& turns, PageSize size)
+{
+    for (std::size_t p = 0; p < pages.size(); ++p)
+        if (const auto place = pages[p].find(turns)) return {p, *place};
+    pages.emplace_back(size.width, size.height);
+    return {pages.size() - 1, pages.back().find(turns).value()};
+}
+
 } // namespace
 
 Packing pack_masks(const std::vector<BitMask>& masks, int max_side, int multiple)
@@ -133,17 +147,10 @@ Packing pack_masks(const std::vector<BitMask>& masks, int max_side, int multiple
     std::vector<Page> pages;
     for (const auto i : largest_first(masks)) {
         const auto turns = all_turns(masks[i]);
-        std::optional<Place> place;
-        std::size_t p = 0;
-        for (; p < pages.size(); ++p)
-            if ((place = pages[p].find(turns))) break;
-        if (!place) {
-            pages.emplace_back(width, max_side);
-            place = pages.back().find(turns);
-        }
-        pages[p].put(turns, *place);
-        const int height = turns[static_cast<std::size_t>(place->turns)].mask().height();
-        packing.mask[i] = {static_cast<std::uint32_t>(p), place->x, place->end - height, place->turns};
+        const auto [page, place] = find_page(pages, turns, {width, max_side});
+        pages[page].put(turns, place);
+        const int height = turns[static_cast<std::size_t>(place.turns)].mask().height();
+        packing.mask[i] = {static_cast<std::uint32_t>(page), place.x, place.end - height, place.turns};
     }
     for (const auto& page : pages)
         packing.page.push_back({round_up(page.used().width, multiple), round_up(page.used().height, multiple)});

@@ -38,7 +38,8 @@ Image<float> depth_steps(const DepthImage& depth, double jump, double noise)
         for (int i = 0; i < count; ++i) {
             const float square = z[i] * z[i], step = std::abs(before[i] - 2.0f * at[i] + after[i]) * square;
             const bool known = (at[i] > 0.0f) & (before[i] > 0.0f) & (after[i] > 0.0f);
-            result[i] = known & (step > std::max(step_limit, noise_limit * square)) ? 0.0f : result[i];
+            const bool stepped = known & (step > std::max(step_limit, noise_limit * square));
+            result[i] = stepped ? 0.0f : result[i];
         }
     };
     for (int y = 0; y < depth.height; ++y) {

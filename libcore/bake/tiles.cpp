@@ -35,8 +35,10 @@ double weighted_median(std::vector<std::pair<double, double>> value_weight)
     for (const auto& [value, weight] : value_weight)
         total += weight;
     double sum = 0.0;
-    for (const auto& [value, weight] : value_weight)
-        if ((sum += weight) >= 0.5 * total) return value;
+    for (const auto& [value, weight] : value_weight) {
+        sum += weight;
+        if (sum >= 0.5 * total) return value;
+    }
     return value_weight.back().first;
 }
 

@@ -47,7 +47,7 @@ Words settings_of(const StageDescription& stage, const std::string& prefix)
         if (spec.type == ParamType::Bool) values = {"true", "false"};
         if (values.empty()) values = {""};
         for (const auto& value : values)
-            settings.push_back(prefix + spec.name + "=" + value);
+            settings.push_back(fmt::format("{}{}={}", prefix, spec.name, value));
     }
     return settings;
 }

@@ -109,7 +109,7 @@ std::vector<std::string> contract_words(const ForeignProgram& program, const Sta
 fs::path find_program(const std::string& word)
 {
     if (word.find('/') != std::string::npos) return word;
-    if (const fs::path file = find_in_path(word); !file.empty()) return file;
+    if (fs::path file = find_in_path(word); !file.empty()) return file;
     throw UsageError(fmt::format("there is no program '{}' in $PATH; install it, or name it by its path", word));
 }
 

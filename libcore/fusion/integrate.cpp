@@ -112,7 +112,8 @@ void project(const Projector& p, const Eigen::Vector3f& start, Layer& layer)
     const Eigen::Vector3f dx = p.step.col(0), dy = p.step.col(1);
     alignas(32) LayerOf<std::int32_t> pixel;
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(kLayer); ++i) {
-        const auto nx = static_cast<float>(i % kBlockSide), ny = static_cast<float>(i / kBlockSide);
+        const std::int32_t column = i % kBlockSide, row = i / kBlockSide;
+        const auto nx = static_cast<float>(column), ny = static_cast<float>(row);
         const float x = start.x() + nx * dx.x() + ny * dy.x(), y = start.y() + nx * dx.y() + ny * dy.y();
         const float z = start.z() + nx * dx.z() + ny * dy.z();
         const float inverse = 1.0f / z;

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <limits>
 #include <numbers>
+#include <span>
 
 namespace quoin {
 namespace {
@@ -60,16 +61,16 @@ void drop_blurred(const std::vector<float>& blur, const KeyframeParams& params, 
         if (reason[i] == Dropped::Kept && blur[i] > limit) reason[i] = Dropped::Blurred;
 }
 
-// Keeps the sharpest of frames[begin, end); the first one among equals.
-void keep_sharpest(const std::vector<FrameId>& frames, std::size_t begin, std::size_t end,
-                   const std::vector<float>& blur, Dropped why, std::vector<Dropped>& reason)
+// Keeps the sharpest of the frames; the first one among equals.
+void keep_sharpest(std::span<const FrameId> frames, const std::vector<float>& blur, Dropped why,
+                   std::vector<Dropped>& reason)
 {
-    if (begin == end) return;
-    FrameId best = frames[begin];
-    for (std::size_t i = begin; i < end; ++i)
-        if (blur[frames[i]] < blur[best]) best = frames[i];
-    for (std::size_t i = begin; i < end; ++i)
-        if (frames[i] != best) reason[frames[i]] = why;
+    if (frames.empty()) return;
+    FrameId best = frames.front();
+    for (const FrameId id : frames)
+        if (blur[id] < blur[best]) best = id;
+    for (const FrameId id : frames)
+        if (id != best) reason[id] = why;
 }
 
 std::vector<FrameId> kept(const std::vector<Dropped>& reason)
@@ -88,7 +89,7 @@ void keep_one_an_interval(const std::vector<float>& blur, const KeyframeParams& 
         std::size_t end = begin;
         while (end < frames.size() && frames[end] / interval == frames[begin] / interval)
             ++end;
-        keep_sharpest(frames, begin, end, blur, Dropped::NotSharpest, reason);
+        keep_sharpest({frames.data() + begin, frames.data() + end}, blur, Dropped::NotSharpest, reason);
         begin = end;
     }
 }
@@ -116,9 +117,9 @@ void limit_number(const std::vector<float>& blur, const KeyframeParams& params, 
     const std::vector<FrameId> frames = kept(reason);
     const auto groups = static_cast<std::size_t>(params.max_keyframes);
     if (groups == 0 || frames.size() <= groups) return;
+    const auto cut = [&](std::size_t group) { return frames.data() + group * frames.size() / groups; };
     for (std::size_t group = 0; group < groups; ++group)
-        keep_sharpest(frames, group * frames.size() / groups, (group + 1) * frames.size() / groups, blur,
-                      Dropped::OverLimit, reason);
+        keep_sharpest({cut(group), cut(group + 1)}, blur, Dropped::OverLimit, reason);
 }
 
 } // namespace

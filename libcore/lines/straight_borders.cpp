@@ -43,7 +43,7 @@ public:
     {
         for (std::uint32_t e = 0; e < edges.size(); ++e)
             for (const VertexId v : edges[e].vertices)
-                ends_.push_back({v, e});
+                ends_.emplace_back(v, e);
         std::sort(ends_.begin(), ends_.end());
     }
 

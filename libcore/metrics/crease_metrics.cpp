@@ -126,8 +126,10 @@ double median_by_length(std::vector<std::pair<double, double>> distance_and_leng
 {
     std::sort(distance_and_length.begin(), distance_and_length.end());
     double below = 0.0;
-    for (const auto& [distance, part] : distance_and_length)
-        if ((below += part) >= 0.5 * length) return distance;
+    for (const auto& [distance, part] : distance_and_length) {
+        below += part;
+        if (below >= 0.5 * length) return distance;
+    }
     return 0.0;
 }
 

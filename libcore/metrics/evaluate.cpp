@@ -105,9 +105,15 @@ Reference reference_of(const Evaluated& inputs, const EvaluateParams& params)
     return reference;
 }
 
-void add_geometry(MetricList& list, const std::string& name, const TriangleMesh& mesh, const Reference& reference,
-                  const EvaluateParams& params, const std::vector<std::uint8_t>& left_out = {})
+struct Compared {
+    std::string name; // of its metrics
+    const TriangleMesh& mesh;
+    std::vector<std::uint8_t> face_left_out = {}; // empty: none is
+};
+
+void add_geometry(MetricList& list, const Compared& compared, const Reference& reference, const EvaluateParams& params)
 {
+    const auto& [name, mesh, left_out] = compared;
     const std::vector<double> there =
         distances(comparable(sample_surface(mesh, static_cast<std::size_t>(params.samples)), left_out),
                   NearestItem(*reference.mesh), params.reach);
@@ -152,14 +158,14 @@ void add_surfaces(MetricList& list, const Evaluated& inputs, const EvaluateParam
     const PlaneMesh* model = inputs.model();
     if (!inputs.truth) {
         if (model && inputs.dense)
-            add_geometry(list, "geometry", model->mesh, reference_of(inputs, params), params, inputs.face_filled);
+            add_geometry(list, {"geometry", model->mesh, inputs.face_filled}, reference_of(inputs, params), params);
         return;
     }
     const Reference reference = reference_of(inputs, params);
     if (model) {
         const Rigid motion = truth_from_mesh(model->mesh, inputs, params);
         const PlaneMesh in_truth = moved(*model, motion);
-        add_geometry(list, "geometry", in_truth.mesh, reference, params);
+        add_geometry(list, {"geometry", in_truth.mesh}, reference, params);
         list.plain(
             "geometry.moved", "mm",
             (motion * model->mesh.position.at(0).cast<double>() - model->mesh.position.at(0).cast<double>()).norm() *
@@ -174,7 +180,7 @@ void add_surfaces(MetricList& list, const Evaluated& inputs, const EvaluateParam
     }
     if (inputs.dense) {
         const TriangleMesh dense = moved(*inputs.dense, truth_from_mesh(*inputs.dense, inputs, params));
-        add_geometry(list, "dense", dense, reference, params);
+        add_geometry(list, {"dense", dense}, reference, params);
         add_true_color_metrics(list, nullptr, &dense, *inputs.truth, params);
     }
 }

@@ -94,7 +94,7 @@ Vector3d nearest_on_triangle(const Vector3d& point, const std::array<Vector3d, 3
     const Vector3d normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]);
     const double square = normal.squaredNorm();
     if (square > 0.0) {
-        const Vector3d on_plane = point - normal * (normal.dot(point - corner[0]) / square);
+        Vector3d on_plane = point - normal * (normal.dot(point - corner[0]) / square);
         const auto inside = [&](std::size_t k) {
             return normal.dot((corner[(k + 1) % 3] - corner[k]).cross(on_plane - corner[k])) >= 0.0;
         };

@@ -34,7 +34,7 @@ std::string_view chars_of(const std::vector<T>& values)
 }
 
 // The document's JSON together with the buffer it describes.
-class Glb {
+class Glb { // NOLINT(bugprone-exception-escape): its move is that of json, which nlohmann declares never to throw
 public:
     std::size_t add_view(std::string_view bytes, int target = 0)
     {

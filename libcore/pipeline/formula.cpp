@@ -110,7 +110,7 @@ private:
         std::size_t length = 0;
         while (length < rest_.size() && is_letter(rest_[length]))
             ++length;
-        const std::string word(rest_.substr(0, length));
+        std::string word(rest_.substr(0, length));
         rest_.remove_prefix(length);
         return word;
     }

@@ -92,7 +92,7 @@ std::string graph_as_text(const Graph& graph, const std::vector<NodeState>& stat
     std::string text;
     for (std::size_t i = 0; i < wires.size(); ++i) {
         std::string state = fmt::format("{:<{}}", state_text(states, i), state_width);
-        if (in_color && !states.empty()) state = style(look_of(states, i)).terminal + state + "\x1b[0m";
+        if (in_color && !states.empty()) state = fmt::format("{}{}\x1b[0m", style(look_of(states, i)).terminal, state);
         text += fmt::format("{:<{}}  {}{}{}\n", used_as(graph.nodes[i]), name_width, state, states.empty() ? "" : "  ",
                             wires[i]);
     }

@@ -22,7 +22,7 @@ fs::path folder_of(const std::string& kind)
                            [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
     if (const char* folder = std::getenv(variable.c_str()); folder && *folder) return folder;
     const fs::path bin = executable_path().parent_path();
-    if (const fs::path shared = bin.parent_path() / "share" / "quoin" / kind; fs::is_directory(shared)) return shared;
+    if (fs::path shared = bin.parent_path() / "share" / "quoin" / kind; fs::is_directory(shared)) return shared;
     constexpr int kLevels = 3; // build/release/bin lies three folders below the source tree
     fs::path ancestor = bin;
     for (int level = 0; level < kLevels; ++level) {
@@ -65,8 +65,7 @@ fs::path find_in_path(const std::string& name)
     const char* variable = std::getenv("PATH");
     std::istringstream folders(variable ? variable : "");
     for (std::string folder; std::getline(folders, folder, ':');)
-        if (const fs::path file = fs::path(folder) / name;
-            fs::is_regular_file(file) && ::access(file.c_str(), X_OK) == 0)
+        if (fs::path file = fs::path(folder) / name; fs::is_regular_file(file) && ::access(file.c_str(), X_OK) == 0)
             return file;
     return {};
 }
@@ -77,7 +76,7 @@ fs::path find_yaml(const std::string& kind, const std::string& name)
     const bool is_path = name.find('/') != std::string::npos || name.ends_with(".yaml") || name.ends_with(".yml");
     if (is_path) throw UsageError(fmt::format("{}: no such file", name));
     const fs::path folder = folder_of(kind);
-    if (const fs::path file = folder / (name + ".yaml"); fs::is_regular_file(file)) return file;
+    if (fs::path file = folder / (name + ".yaml"); fs::is_regular_file(file)) return file;
     throw UsageError(fmt::format("there is no '{}' in {}{}", name, folder.string(), hint(name, yaml_names(folder))));
 }
 

@@ -120,7 +120,7 @@ fs::path find_extended(const YamlNode& extends, const fs::path& folder, Problems
         problems.add(extends.position, "'extends' is expected to name one pipeline");
         return {};
     }
-    if (const fs::path path = folder / extends.text; fs::is_regular_file(path)) return path;
+    if (fs::path path = folder / extends.text; fs::is_regular_file(path)) return path;
     try {
         if (!extends.text.ends_with(".yaml") && !names_a_path(extends.text))
             return find_yaml("pipelines", extends.text);

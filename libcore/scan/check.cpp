@@ -63,7 +63,8 @@ std::size_t frames_between(const Scan& scan, const std::vector<FrameId>& ids, do
         steps.push_back(scan.frames[ids[i]].time - scan.frames[ids[i - 1]].time);
     const double step = median(steps);
     const double wanted = step > 0.0 ? std::round(seconds / step) : 1.0;
-    return static_cast<std::size_t>(std::clamp(wanted, 1.0, static_cast<double>(ids.size() / 2)));
+    const std::size_t half = ids.size() / 2;
+    return static_cast<std::size_t>(std::clamp(wanted, 1.0, static_cast<double>(half)));
 }
 
 int changes(const PoseConvention& a, const PoseConvention& b)

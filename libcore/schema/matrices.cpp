@@ -56,7 +56,7 @@ Rigid read_transform(const TensorReader& reader, const std::string& name)
     for (std::size_t i = 0; i < 16; ++i)
         numbers[i] = rows[i / 4][i % 4];
     reader.check_finite(name, numbers.data(), 16);
-    const Rigid transform = transform_of(numbers);
+    Rigid transform = transform_of(numbers);
     if (!is_rigid(transform.matrix())) reader.refuse(name, "is not a rigid transform");
     return transform;
 }

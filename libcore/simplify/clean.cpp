@@ -145,8 +145,8 @@ private:
     VertexId copy_of(VertexId v)
     {
         auto& mesh = mesh_.mesh;
-        mesh.position.push_back(Eigen::Vector3f(mesh.position[v]));
-        if (!mesh.color.empty()) mesh.color.push_back(Rgb8(mesh.color[v]));
+        mesh.position.push_back(mesh.position[v]);
+        if (!mesh.color.empty()) mesh.color.push_back(mesh.color[v]);
         return static_cast<VertexId>(mesh.position.size() - 1);
     }
 

@@ -220,7 +220,7 @@ void Remesher::thin_free_curves()
     dirty_.assign(curves_.curve.size(), 0);
     std::vector<CurveId> again = free_;
     do {
-        thin_curves(mesh_, again, bounds_, params_, curves_, position_);
+        thin_curves(CurveFit(mesh_, curves_, position_, params_), again, bounds_, curves_, position_);
         if (!tighten(outlines)) return;
         again.clear();
         for (const CurveId id : free_)

@@ -1,7 +1,6 @@
 #include "simplify/thin_curves.h"
 
 #include "base/parallel.h"
-#include "simplify/curve_fit.h"
 
 #include <functional>
 #include <queue>
@@ -122,10 +121,9 @@ private:
 
 } // namespace
 
-void thin_curves(const PlaneMesh& planes, std::span<const CurveId> which, const CurveBounds& bounds,
-                 const SimplifyParams& params, Curves& curves, std::vector<Eigen::Vector3d>& position)
+void thin_curves(const CurveFit& fit, std::span<const CurveId> which, const CurveBounds& bounds, Curves& curves,
+                 std::vector<Eigen::Vector3d>& position)
 {
-    const CurveFit fit(planes, curves, position, params);
     SlotState slots{std::vector<Quadric>(curves.size()), std::vector<std::uint32_t>(curves.size(), 0)};
     parallel_chunks(which.size(), kCurveGrain, [&](std::size_t begin, std::size_t end) {
         CurveThinner thinner(fit, bounds, slots, curves, position);

@@ -1,7 +1,6 @@
 #pragma once
 
-#include "simplify/curves.h"
-#include "simplify/simplify.h"
+#include "simplify/curve_fit.h"
 
 #include <span>
 
@@ -16,8 +15,9 @@ struct CurveBounds {
 };
 
 // Joins neighbouring vertices of the given curves, curves in parallel, while they stay within the errors; corners do
-// not move. Faces are not looked at. position: of the vertices of the mesh [m], follows.
-void thin_curves(const PlaneMesh& planes, std::span<const CurveId> which, const CurveBounds& bounds,
-                 const SimplifyParams& params, Curves& curves, std::vector<Eigen::Vector3d>& position);
+// not move. Faces are not looked at. `fit` is made of these curves and positions, of the vertices of the mesh [m]; both
+// follow.
+void thin_curves(const CurveFit& fit, std::span<const CurveId> which, const CurveBounds& bounds, Curves& curves,
+                 std::vector<Eigen::Vector3d>& position);
 
 } // namespace quoin

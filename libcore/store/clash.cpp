@@ -47,7 +47,7 @@ std::string first_object_difference(const fs::path& ours, const fs::path& theirs
 fs::path keep_both(const Store& store, const Key& key, const std::string& port,
                    const std::pair<std::string, std::string>& payloads)
 {
-    const fs::path folder = store.root() / "clash" / key.hex;
+    fs::path folder = store.root() / "clash" / key.hex;
     for (const auto& payload : {payloads.first, payloads.second}) {
         const fs::path object = store.object(payload);
         const char* extension = fs::is_directory(object) ? "" : ".safetensors";

@@ -75,7 +75,7 @@ std::string visible_damage(const fs::path& object, std::uint64_t expected)
 
 } // namespace
 
-Store::Store(fs::path root) : root_(std::move(root) / "v1")
+Store::Store(const fs::path& root) : root_(root / "v1")
 {
     std::error_code error;
     if (fs::is_directory(root_ / "cas", error) && !is_writable()) return;

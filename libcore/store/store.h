@@ -22,7 +22,7 @@ namespace quoin {
 class Store {
 public:
     // Makes the folders. Throws InputError or ResourceError when it cannot; a store that is there but read-only serves.
-    explicit Store(std::filesystem::path root);
+    explicit Store(const std::filesystem::path& root);
 
     const std::filesystem::path& root() const { return root_; } // ROOT/v1
     bool is_writable() const;

@@ -55,8 +55,8 @@ double direct_light(const Room& room, const RayScene& rays, const SurfacePoint& 
     for (const AreaLight& light : room.lights) {
         const Vector3d area = 4.0 * light.half_u.cross(light.half_v);
         for (int i = 0; i < kLightRays * kLightRays; ++i) {
-            const double u = (i % kLightRays + 0.5) * 2.0 / kLightRays - 1.0,
-                         v = (i / kLightRays + 0.5) * 2.0 / kLightRays - 1.0;
+            const int column = i % kLightRays, row = i / kLightRays;
+            const double u = (column + 0.5) * 2.0 / kLightRays - 1.0, v = (row + 0.5) * 2.0 / kLightRays - 1.0;
             const Vector3d target = light.center + u * light.half_u + v * light.half_v, way = target - point.position;
             const double square = way.squaredNorm(), facing = point.normal.dot(way);
             if (facing <= 0.0 || rays.blocked(point.position.cast<float>(), target.cast<float>())) continue;
