@@ -15,7 +15,7 @@ fs::path take_page(PlaceOptions& place, const std::string& results, std::size_t 
 {
     if (!place.out.ends_with(".html")) return {};
     if (scans > 1) throw UsageError(fmt::format("--out {}: one page shows one scan; give one --scan", place.out));
-    const fs::path page = fs::absolute(place.out).lexically_normal();
+    fs::path page = fs::absolute(place.out).lexically_normal();
     place.out = results;
     return page;
 }

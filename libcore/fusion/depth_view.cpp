@@ -25,7 +25,7 @@ PaddedDepth within_range(const DepthImage& depth, const ViewParams& params)
         const float* from = depth.row(y);
         float* to = kept.row(y);
         for (int x = 0; x < depth.width; ++x)
-            to[x] = (from[x] >= near) & (from[x] <= far) ? from[x] : 0.0f; // NaN is in no range
+            to[x] = ((from[x] >= near) & (from[x] <= far)) ? from[x] : 0.0f; // NaN is in no range
     }
     return kept;
 }

@@ -112,8 +112,8 @@ void project(const Projector& p, const Eigen::Vector3f& start, Layer& layer)
     const Eigen::Vector3f dx = p.step.col(0), dy = p.step.col(1);
     alignas(32) LayerOf<std::int32_t> pixel;
     for (std::int32_t i = 0; i < static_cast<std::int32_t>(kLayer); ++i) {
-        const std::int32_t column = i % kBlockSide, row = i / kBlockSide;
-        const auto nx = static_cast<float>(column), ny = static_cast<float>(row);
+        const std::int32_t ix = i % kBlockSide, iy = i / kBlockSide;
+        const auto nx = static_cast<float>(ix), ny = static_cast<float>(iy);
         const float x = start.x() + nx * dx.x() + ny * dy.x(), y = start.y() + nx * dx.y() + ny * dy.y();
         const float z = start.z() + nx * dx.z() + ny * dy.z();
         const float inverse = 1.0f / z;
@@ -138,7 +138,7 @@ bool look_up(const DepthView& view, float truncation, Layer& layer)
         layer.depth[i] = view.depth[layer.pixel[i]];
     std::int32_t near = 0;
     for (std::size_t i = 0; i < kLayer; ++i)
-        near += (layer.depth[i] > 0.0f) & (layer.depth[i] - layer.z[i] > -truncation) ? 1 : 0;
+        near += ((layer.depth[i] > 0.0f) & (layer.depth[i] - layer.z[i] > -truncation)) ? 1 : 0;
     return near > 0;
 }
 
@@ -151,7 +151,7 @@ bool measure(float truncation, Layer& layer)
                     stretch = std::sqrt(layer.aside[i] + z * z) * (1.0f / z); // of the ray to unit depth
         const float s = (layer.depth[i] - z) * stretch;
         layer.distance[i] = s;
-        known += (layer.depth[i] > 0.0f) & (s > -truncation) ? 1 : 0;
+        known += ((layer.depth[i] > 0.0f) & (s > -truncation)) ? 1 : 0;
     }
     return known > 0;
 }
@@ -171,7 +171,7 @@ bool accumulate_distance(float truncation, Layer& layer, float* __restrict dista
         layer.weight[i] = w;
         distance[i] += known ? w * std::min(1.0f, s * scale) : 0.0f; // s is not finite beside the camera
         weight[i] += w;
-        near += known & (s < truncation) ? 1 : 0;
+        near += (known & (s < truncation)) ? 1 : 0;
     }
     return near > 0;
 }

@@ -163,7 +163,7 @@ bool keep_visible(const NearestDepth& nearest, const ViewParams& params, const f
     for (std::size_t x = 0; x < row.z.size(); ++x) {
         const float z = row.z[x];
         const bool hidden = z > nearest.at(row.u[x], row.v[x]) + slack + slack_ratio * z;
-        row.z[x] = hidden | (surface_depth[x] <= 0.0f) ? 0.0f : z;
+        row.z[x] = (hidden | (surface_depth[x] <= 0.0f)) ? 0.0f : z;
         visible |= row.z[x] > 0.0f;
     }
     return visible;
