@@ -59,6 +59,7 @@ std::string inspect(Bytes bytes, const std::string& name, ImageInfo& info)
 } // namespace
 } // namespace quoin::formats
 
+// NOLINTBEGIN(clang-diagnostic-return-type-c-linkage): C only for the names, by which they are looked up
 extern "C" std::string quoin_inspect_image(quoin::formats::Bytes bytes, const std::string& name, quoin::ImageInfo& info)
 {
     return quoin::formats::inspect(bytes, name, info);
@@ -69,3 +70,4 @@ extern "C" std::string quoin_decode_image(quoin::formats::Bytes bytes, const quo
 {
     return quoin::formats::decode(bytes, request, raster);
 }
+// NOLINTEND(clang-diagnostic-return-type-c-linkage)
