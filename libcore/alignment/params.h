@@ -64,7 +64,7 @@ struct OptimizeTextureParams {
 
     double sigma_color = 0.02;
     double huber_color = 0.03;
-    double sigma_plane = 0.01;
+    double sigma_plane = 0.02;
     double sigma_line = 1.0;
     double huber_line = 2.0;
     double depth_noise = 0.0012;
