@@ -36,7 +36,7 @@ public:
         for (std::size_t i = 0; i < piece.size(); ++i)
             for (std::size_t k = 0; k < 3; ++k) {
                 const auto other = opposite_[3 * std::size_t{piece[i]} + k];
-                if (other == kBorderEdge || other == kNonManifoldEdge) continue;
+                if (!is_half_edge(other)) continue;
                 const FaceId f = other / 3;
                 if (taken_[f] || planes_.face_plane[f] != planes_.face_plane[seed]) continue;
                 if (!normal_[f].isZero() && !faces(f, direction)) continue;

@@ -50,8 +50,7 @@ public:
         for (const FaceId f : atlas_.chart[chart].chart.face)
             for (std::uint32_t k = 0; k < 3; ++k) {
                 const auto other = opposite_[3 * std::size_t{f} + k];
-                if (other == kBorderEdge || other == kNonManifoldEdge || atlas_.face_chart[other / 3] == chart)
-                    continue;
+                if (!is_half_edge(other) || atlas_.face_chart[other / 3] == chart) continue;
                 add_edge(chart, atlas_.face_chart[other / 3],
                          {corner(mesh_, f, static_cast<int>(k)), corner(mesh_, f, static_cast<int>((k + 1) % 3))},
                          result);

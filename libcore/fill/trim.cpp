@@ -4,16 +4,14 @@
 #include "mesh/adjacency.h"
 #include "mesh/cleanup.h"
 #include "mesh/hygiene.h"
+#include "mesh/plane_parts.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <optional>
 
 namespace quoin {
 namespace {
-
-bool is_face(std::uint32_t half_edge) { return half_edge != kBorderEdge && half_edge != kNonManifoldEdge; }
 
 void join(UnionFind& sets, std::uint32_t a, std::uint32_t b)
 {
@@ -46,8 +44,6 @@ private:
     void find_away();
     void find_folded();
     void place_strangers();
-    std::optional<PlaneId> plane_beside(const std::vector<FaceId>& part) const;
-    bool explains(const Plane& plane, const std::vector<FaceId>& part) const;
     void remove_bad();
 
     PlaneMesh& mesh_;
@@ -67,7 +63,7 @@ void PatchTrimmer::find_folded()
 {
     const double folded_cosine = HygieneLimits{}.folded_cosine;
     for (std::uint32_t h = 3 * first_; h < opposite_.size(); ++h) {
-        if (!is_face(opposite_[h])) continue;
+        if (!is_half_edge(opposite_[h])) continue;
         const FaceId f = h / 3, g = opposite_[h] / 3;
         if (face_normal(mesh_.mesh, f).dot(face_normal(mesh_.mesh, g)) >= folded_cosine) continue;
         const bool smaller = std::pair(face_area(mesh_.mesh, f), f) < std::pair(face_area(mesh_.mesh, g), g);
@@ -79,43 +75,17 @@ void PatchTrimmer::place_strangers()
 {
     UnionFind parts(bad_.size());
     for (std::uint32_t h = 0; h < opposite_.size(); ++h)
-        if (is_face(opposite_[h]) && mesh_.face_plane[h / 3] == mesh_.face_plane[opposite_[h] / 3])
+        if (is_half_edge(opposite_[h]) && mesh_.face_plane[h / 3] == mesh_.face_plane[opposite_[h] / 3])
             join(parts, h / 3, opposite_[h] / 3);
     std::map<FaceId, std::vector<FaceId>> strangers; // by root; old faces, which come first, are the roots of theirs
     for (FaceId f = first_; f < bad_.size(); ++f)
         if (is_new(parts.find(f))) strangers[parts.find(f)].push_back(f);
+    const auto old_plane = [&](FaceId f) { return is_new(f) ? std::nullopt : std::optional(mesh_.face_plane[f]); };
     for (const auto& [_, part] : strangers) {
-        const auto plane = plane_beside(part);
+        const auto plane = plane_beside(mesh_, opposite_, part, distance_, old_plane);
         for (const FaceId f : part)
             plane ? mesh_.face_plane[f] = *plane : bad_[f] = 1;
     }
-}
-
-// The one with the longest border.
-std::optional<PlaneId> PatchTrimmer::plane_beside(const std::vector<FaceId>& part) const
-{
-    std::map<PlaneId, double> border;
-    for (const FaceId f : part)
-        for (std::uint32_t k = 0; k < 3; ++k) {
-            const std::uint32_t o = opposite_[3 * f + k];
-            if (!is_face(o) || is_new(o / 3)) continue;
-            border[mesh_.face_plane[o / 3]] +=
-                (corner(mesh_.mesh, f, static_cast<int>((k + 1) % 3)) - corner(mesh_.mesh, f, static_cast<int>(k)))
-                    .norm();
-        }
-    std::optional<PlaneId> best;
-    for (const auto& [plane, length] : border)
-        if (explains(mesh_.plane[plane], part) && (!best || length > border[*best])) best = plane;
-    return best;
-}
-
-bool PatchTrimmer::explains(const Plane& plane, const std::vector<FaceId>& part) const
-{
-    return std::ranges::all_of(part, [&](FaceId f) {
-        for (int k = 0; k < 3; ++k)
-            if (std::abs(plane.signed_distance(corner(mesh_.mesh, f, k))) > distance_) return false;
-        return area_vector(mesh_.mesh, f).dot(plane.normal) >= 0.0;
-    });
 }
 
 void PatchTrimmer::remove_bad()

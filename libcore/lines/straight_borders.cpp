@@ -25,7 +25,7 @@ std::vector<BorderEdge> sharp_edges(const PlaneMesh& mesh, double min_angle)
     const auto opposite = opposite_half_edges(mesh.mesh);
     std::vector<BorderEdge> edges;
     for (std::uint32_t h = 0; h < opposite.size(); ++h) {
-        if (opposite[h] == kBorderEdge || opposite[h] == kNonManifoldEdge || opposite[h] < h) continue;
+        if (!is_half_edge(opposite[h]) || opposite[h] < h) continue;
         const auto [a, b] = std::minmax(mesh.face_plane[h / 3], mesh.face_plane[opposite[h] / 3]);
         if (a == b || std::abs(mesh.plane[a].normal.dot(mesh.plane[b].normal)) > max_cosine) continue;
         const auto& face = mesh.mesh.face[h / 3];

@@ -264,7 +264,7 @@ std::size_t split_touching_fans(TriangleMesh& mesh)
     const auto vertex_of = [&](std::uint32_t corner) -> VertexId& { return mesh.face[corner / 3][corner % 3]; };
     const auto next = [](std::uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; };
     for (std::uint32_t h = 0; h < opposite.size(); ++h) {
-        if (opposite[h] == kBorderEdge || opposite[h] == kNonManifoldEdge) continue;
+        if (!is_half_edge(opposite[h])) continue;
         const std::uint32_t o = opposite[h];
         const bool opposed = vertex_of(h) == vertex_of(next(o));
         join(h, opposed ? next(o) : o);

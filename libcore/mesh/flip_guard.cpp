@@ -90,7 +90,7 @@ Postures FlipGuard::postures() const
         opposite_.size(),
         [&](std::size_t h) {
             const std::uint32_t o = opposite_[h];
-            if (o == kBorderEdge || o == kNonManifoldEdge) return;
+            if (!is_half_edge(o)) return;
             now.unfold[h] = std::max(-1.0f, static_cast<float>(normal[h / 3].dot(normal[o / 3])));
         },
         kFlipGrain);

@@ -12,11 +12,9 @@
 namespace quoin {
 namespace {
 
-bool is_face(std::uint32_t half_edge) { return half_edge != kBorderEdge && half_edge != kNonManifoldEdge; }
-
-bool looks_away(const PlaneMesh& mesh, FaceId f, const Plane& plane)
+bool looks_away(const TriangleMesh& mesh, FaceId f, const Plane& plane)
 {
-    return area_vector(mesh.mesh, f).dot(plane.normal) < 0.0;
+    return area_vector(mesh, f).dot(plane.normal) < 0.0;
 }
 
 Moments moments_of(const PlaneMesh& mesh, const std::vector<FaceId>& faces)
@@ -65,13 +63,12 @@ public:
 private:
     bool away(FaceId f) const
     {
-        return kind_ == PlaneParts::OneSided && looks_away(mesh_, f, mesh_.plane[mesh_.face_plane[f]]);
+        return kind_ == PlaneParts::OneSided && looks_away(mesh_.mesh, f, mesh_.plane[mesh_.face_plane[f]]);
     }
     void find_parts();
     void find_keepers();
     void turn_keepers();
     PlaneId plane_for(const std::vector<FaceId>& part, const std::vector<PlaneId>& face_plane);
-    bool explains(const Plane& plane, const std::vector<FaceId>& faces) const;
 
     PlaneMesh& mesh_;
     const double distance_;
@@ -86,7 +83,7 @@ void PartSeparator::find_parts()
 {
     UnionFind parts(mesh_.mesh.face.size());
     for (std::uint32_t h = 0; h < opposite_.size(); ++h) {
-        if (!is_face(opposite_[h])) continue;
+        if (!is_half_edge(opposite_[h])) continue;
         const FaceId f = h / 3, g = opposite_[h] / 3;
         if (mesh_.face_plane[f] != mesh_.face_plane[g] || away(f) != away(g)) continue;
         const std::uint32_t a = parts.find(f), b = parts.find(g);
@@ -124,33 +121,16 @@ void PartSeparator::turn_keepers()
     }
 }
 
-bool PartSeparator::explains(const Plane& plane, const std::vector<FaceId>& faces) const
-{
-    return std::all_of(faces.begin(), faces.end(), [&](FaceId f) {
-        for (int k = 0; k < 3; ++k)
-            if (std::abs(plane.signed_distance(corner(mesh_.mesh, f, k))) > distance_) return false;
-        return !looks_away(mesh_, f, plane);
-    });
-}
-
 // Planes count by their borders with parts that keep them, as `face_plane` has it from before anything moved.
 PlaneId PartSeparator::plane_for(const std::vector<FaceId>& part, const std::vector<PlaneId>& face_plane)
 {
     const PlaneId own = face_plane[part[0]];
-    std::map<PlaneId, double> border;
-    for (const FaceId f : part)
-        for (std::uint32_t k = 0; k < 3; ++k) {
-            const std::uint32_t o = opposite_[3 * f + k];
-            if (!is_face(o) || face_plane[o / 3] == own || root_[o / 3] != keeper_[face_plane[o / 3]]) continue;
-            border[face_plane[o / 3]] +=
-                (corner(mesh_.mesh, f, static_cast<int>((k + 1) % 3)) - corner(mesh_.mesh, f, static_cast<int>(k)))
-                    .norm();
-        }
-    std::optional<PlaneId> best;
-    for (const auto& [plane, length] : border)
-        if (explains(mesh_.plane[plane], part) && (!best || length > border[*best])) best = plane;
-    if (best) return *best;
-    const bool fitted = kind_ == PlaneParts::OneSided && !explains(mesh_.plane[own], part);
+    const auto plane_behind = [&](FaceId f) -> std::optional<PlaneId> {
+        const PlaneId p = face_plane[f];
+        return p != own && root_[f] == keeper_[p] ? std::optional(p) : std::nullopt;
+    };
+    if (const auto beside = plane_beside(mesh_, opposite_, part, distance_, plane_behind)) return *beside;
+    const bool fitted = kind_ == PlaneParts::OneSided && !explains(mesh_.mesh, mesh_.plane[own], part, distance_);
     mesh_.plane.push_back(fitted ? plane_through(mesh_, part) : Plane(mesh_.plane[own]));
     mesh_.moments.push_back(moments_of(mesh_, part));
     fitted_ = fitted_ || fitted;
@@ -158,6 +138,35 @@ PlaneId PartSeparator::plane_for(const std::vector<FaceId>& part, const std::vec
 }
 
 } // namespace
+
+bool explains(const TriangleMesh& mesh, const Plane& plane, const std::vector<FaceId>& faces, double distance)
+{
+    return std::ranges::all_of(faces, [&](FaceId f) {
+        for (int k = 0; k < 3; ++k)
+            if (std::abs(plane.signed_distance(corner(mesh, f, k))) > distance) return false;
+        return !looks_away(mesh, f, plane);
+    });
+}
+
+std::optional<PlaneId> plane_beside(const PlaneMesh& mesh, const std::vector<std::uint32_t>& opposite,
+                                    const std::vector<FaceId>& faces, double distance,
+                                    const std::function<std::optional<PlaneId>(FaceId)>& plane_behind)
+{
+    std::map<PlaneId, double> border;
+    for (const FaceId f : faces)
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const std::uint32_t o = opposite[3 * f + k];
+            const auto plane = is_half_edge(o) ? plane_behind(o / 3) : std::nullopt;
+            if (!plane) continue;
+            border[*plane] +=
+                (corner(mesh.mesh, f, static_cast<int>((k + 1) % 3)) - corner(mesh.mesh, f, static_cast<int>(k)))
+                    .norm();
+        }
+    std::optional<PlaneId> best;
+    for (const auto& [plane, length] : border)
+        if (explains(mesh.mesh, mesh.plane[plane], faces, distance) && (!best || length > border[*best])) best = plane;
+    return best;
+}
 
 // A plane that is fitted to a part faces some of it, so that each turn moves fewer faces.
 void separate_parts(PlaneMesh& mesh, double distance, PlaneParts kind)

@@ -3,7 +3,20 @@
 
 #include "mesh/plane_mesh.h"
 
+#include <functional>
+#include <optional>
+#include <vector>
+
 namespace quoin {
+
+// Are all corners of the faces within `distance` [m] of the plane, and does none of the faces look away from it?
+bool explains(const TriangleMesh& mesh, const Plane& plane, const std::vector<FaceId>& faces, double distance);
+
+// The plane behind the longest border of some faces that explains them. opposite: opposite_half_edges(mesh.mesh).
+// plane_behind(f): the plane that a face on the other side of their border stands for, if any.
+std::optional<PlaneId> plane_beside(const PlaneMesh& mesh, const std::vector<std::uint32_t>& opposite,
+                                    const std::vector<FaceId>& faces, double distance,
+                                    const std::function<std::optional<PlaneId>(FaceId)>& plane_behind);
 
 // Joined: faces of a plane that hang together over edges are a part, whichever way they look. OneSided: those that look
 // away from the plane are none with the others, and a plane that they keep or get is turned to face them: no face looks

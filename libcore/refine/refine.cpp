@@ -68,7 +68,7 @@ std::vector<Edge> directed_edges(const PlaneMesh& mesh)
     edges.reserve(2 * opposite.size());
     for (std::uint32_t h = 0; h < opposite.size(); ++h) {
         const VertexId a = mesh.mesh.face[h / 3][h % 3], b = mesh.mesh.face[h / 3][(h % 3 + 1) % 3];
-        const bool regular = opposite[h] != kBorderEdge && opposite[h] != kNonManifoldEdge;
+        const bool regular = is_half_edge(opposite[h]);
         const bool inside = regular && mesh.face_plane[opposite[h] / 3] == mesh.face_plane[h / 3];
         edges.push_back({a, b, !inside});
         edges.push_back({b, a, !inside});

@@ -20,7 +20,7 @@ PlaneId plane_behind_ear(const PlaneMesh& mesh, const std::vector<std::uint32_t>
     std::array<PlaneId, 3> behind{};
     for (std::uint32_t k = 0; k < 3; ++k) {
         const std::uint32_t o = opposite[3 * f + k];
-        behind[k] = o == kBorderEdge || o == kNonManifoldEdge ? kNoPlane : mesh.face_plane[o / 3];
+        behind[k] = is_half_edge(o) ? mesh.face_plane[o / 3] : kNoPlane;
     }
     for (std::size_t k = 0; k < 3; ++k) {
         const PlaneId plane = behind[k];
