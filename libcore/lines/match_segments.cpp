@@ -131,10 +131,10 @@ std::optional<Candidate> compare(const Segment& segment, const Stretch& stretch,
 bool collide(const Candidate& x, const Candidate& y, const Stretch& stretch, double min_overlap)
 {
     const Eigen::Vector3d along = (stretch.p_camera[1] - stretch.p_camera[0]).normalized();
-    const auto interval = [&](const Candidate& c) {
+    const auto interval = [&](const Candidate& c) -> std::pair<double, double> { // minmax itself gives references
         return std::minmax(along.dot(c.p_camera[0]), along.dot(c.p_camera[1]));
     };
-    const std::pair<double, double> i = interval(x), j = interval(y);
+    const auto i = interval(x), j = interval(y);
     const double shared = std::min(i.second, j.second) - std::max(i.first, j.first);
     return shared > (1.0 - min_overlap) * std::min(i.second - i.first, j.second - j.first);
 }

@@ -10,7 +10,7 @@ int main(int argc, char** argv)
     const Stage stage{
         .name = "detect-lines",
         .summary = "finds straight segments in the keyframes and matches them to the borders between planes",
-        .impl_version = 1,
+        .impl_version = 2,
         .inputs = {{"scan", "poses and cameras"},
                    {"keyframes", "the frames to look at"},
                    {"plane_mesh", "planes and the borders between them"}},

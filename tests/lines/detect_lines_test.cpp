@@ -164,6 +164,33 @@ TEST(DetectLines, OverlapCoversMostOfEachEdge)
     }
 }
 
+// The box with a stripe of another colour, but of the same plane, along every edge of its sides.
+PlaneMesh striped_box()
+{
+    PlaneMesh mesh = box();
+    for (FaceId f = 0; f < mesh.mesh.face.size(); ++f) {
+        const Eigen::Vector3d c = (corner(mesh.mesh, f, 0) + corner(mesh.mesh, f, 1) + corner(mesh.mesh, f, 2)) / 3.0;
+        const bool inside = (c.cwiseAbs().array() < kSide * (0.5 - 1.0 / 8.0)).count() == 2;
+        if (inside) mesh.face_plane[f] = (mesh.face_plane[f] + 3) % 6;
+    }
+    return mesh;
+}
+
+TEST(DetectLines, GivesEveryPartOfABorderToItsNearestSegmentOnly)
+{
+    const PlaneMesh mesh = box();
+    const TestScan scan(striped_box(), {kEye});
+    DetectLinesParams params;
+    params.match_distance = 20.0; // further than the stripes are wide
+    std::map<std::array<PlaneId, 2>, double> covered;
+    const LineMatches lines = scan.detect(mesh, params);
+    for (const auto& line : lines)
+        covered[line.planes] += (line.end_points[1] - line.end_points[0]).norm();
+    EXPECT_EQ(covered.size(), 9u);
+    for (const auto& [planes, length] : covered)
+        EXPECT_LT(length, 1.01 * kSide);
+}
+
 TEST(DetectLines, MeasuresHowFarAWrongPoseMovesTheBorders)
 {
     const PlaneMesh mesh = box();
