@@ -4,10 +4,10 @@
 #include "base/log.h"
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "lines/follow_stretches.h"
 #include "lines/match_segments.h"
 #include "lines/segments.h"
 #include "lines/straight_borders.h"
-#include "render/rasterize.h"
 
 #include <fmt/format.h>
 #include <iterator>
@@ -31,10 +31,10 @@ BorderLimits border_limits(const DetectLinesParams& params)
             params.max_border_rms};
 }
 
-LineMatch to_line_match(const SegmentMatch& match, const Segment& segment, const StraightBorder& border, FrameId frame)
+LineMatch to_line_match(const SegmentMatch& match, const StraightBorder& border, FrameId frame)
 {
     LineMatch line;
-    line.segment << segment.a.cast<float>(), segment.b.cast<float>();
+    line.segment << match.segment.a.cast<float>(), match.segment.b.cast<float>();
     line.frame = frame;
     line.planes = border.planes;
     line.end_points = {match.ends[0].cast<float>(), match.ends[1].cast<float>()};
@@ -42,16 +42,23 @@ LineMatch to_line_match(const SegmentMatch& match, const Segment& segment, const
     return line;
 }
 
+std::vector<SegmentMatch> matches_in(const GrayImage& image, const std::vector<Stretch>& stretches,
+                                     const MeshView& view, const DetectLinesParams& params)
+{
+    if (params.method == SegmentMethod::Guided) return follow_stretches(image, stretches, view, params);
+    return match_segments(detect_segments(image, params), stretches, view, params);
+}
+
 LineMatches lines_of_frame(const ScanImages& images, FrameId frame, const PlaneMesh& mesh,
                            const std::vector<StraightBorder>& borders, const DetectLinesParams& params)
 {
     const Camera& camera = images.scan().color;
     const Rigid color_from_world = images.scan().color_from_world(frame);
-    const View view{camera, color_from_world, rasterize(mesh.mesh, camera, color_from_world), &mesh};
-    const auto segments = detect_segments(images.gray(frame), params);
+    const MeshView view{camera, color_from_world, rasterize(mesh.mesh, camera, color_from_world), &mesh};
+    const auto stretches = visible_stretches(borders, view, params);
     LineMatches lines;
-    for (const auto& match : match_segments(segments, borders, view, params))
-        lines.push_back(to_line_match(match, segments[match.segment], borders[match.border], frame));
+    for (const auto& match : matches_in(images.gray(frame), stretches, view, params))
+        lines.push_back(to_line_match(match, borders[match.border], frame));
     return lines;
 }
 

@@ -12,8 +12,8 @@
 
 namespace quoin {
 
-enum class SegmentMethod { Lsd, EdLines };
-constexpr auto choice_names(SegmentMethod) { return std::array{"lsd", "edlines"}; }
+enum class SegmentMethod { Lsd, EdLines, Guided };
+constexpr auto choice_names(SegmentMethod) { return std::array{"lsd", "edlines", "guided"}; }
 
 struct DetectLinesParams {
     SegmentMethod method = SegmentMethod::Lsd;
@@ -27,6 +27,14 @@ struct DetectLinesParams {
     int edlines_gradient = 20;
     double edlines_sigma = 1.0;
     double edlines_fit_error = 1.0;
+    int guided_reach = 12;
+    double guided_step = 2.0;
+    double guided_sigma = 1.0;
+    double guided_gradient = 2.0;
+    double guided_tolerance = 1.0;
+    double guided_off_cost = 0.5;
+    double guided_share = 0.6;
+    double guided_log_alarms = 0.0;
     double min_plane_angle = 30.0;
     double min_border_length = 0.10;
     double max_border_gap = 0.03;
@@ -45,7 +53,7 @@ struct DetectLinesParams {
         return std::tuple{
             Param{
                 "method", &P::method, "",
-                "segment detector: LSD (von Gioi et al. 2010) or EDLines (Akinlar and Topal 2011), four times faster"},
+                "LSD (von Gioi et al. 2010), EDLines (Akinlar and Topal 2011), or guided: a search beside each border"},
             Param{"min_segment", &P::min_segment, "px",
                   "least length of a segment in an image 640 px wide; grows with the root of the width", 1.0, 1e4},
             Param{"lsd_scale", &P::lsd_scale, "", "lsd: the image is reduced by this factor first", 0.1, 1.0},
@@ -60,6 +68,21 @@ struct DetectLinesParams {
             Param{"edlines_sigma", &P::edlines_sigma, "px", "edlines: blur before detection", 0.1, 10.0},
             Param{"edlines_fit_error", &P::edlines_fit_error, "px",
                   "edlines: largest mean distance of edge pixels to their segment", 0.1, 10.0},
+            Param{"guided_reach", &P::guided_reach, "px", "guided: how far from a border its edge is looked for", 1.0,
+                  100.0},
+            Param{"guided_step", &P::guided_step, "px", "guided: distance of the places along a border", 0.5, 100.0},
+            Param{"guided_sigma", &P::guided_sigma, "px", "guided: blur across the border before the gradient", 0.3,
+                  10.0},
+            Param{"guided_gradient", &P::guided_gradient, "", "guided: least gradient of an edge, in grey levels a px",
+                  0.0, 255.0},
+            Param{"guided_tolerance", &P::guided_tolerance, "px", "guided: largest distance of an edge to its line",
+                  0.1, 10.0},
+            Param{"guided_off_cost", &P::guided_off_cost, "",
+                  "guided: share of its votes that an edge loses that lies guided_reach from where it is expected", 0.0,
+                  1.0},
+            Param{"guided_share", &P::guided_share, "", "guided: least share of places that see the edge", 0.0, 1.0},
+            Param{"guided_log_alarms", &P::guided_log_alarms, "",
+                  "guided: largest decimal logarithm of the number of such edges expected by chance", -100.0, 100.0},
             Param{"min_plane_angle", &P::min_plane_angle, "deg", "least angle between the two planes of a border", 0.0,
                   90.0},
             Param{"min_border_length", &P::min_border_length, "m", "least length of a straight border", 0.0, 100.0},

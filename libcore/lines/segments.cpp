@@ -45,9 +45,14 @@ std::vector<cv::Vec4f> run_edlines(const cv::Mat& image, const DetectLinesParams
 
 } // namespace
 
+double min_segment_length(const GrayImage& image, const DetectLinesParams& params)
+{
+    return params.min_segment * std::sqrt(image.width / kReferenceWidth);
+}
+
 std::vector<Segment> detect_segments(const GrayImage& image, const DetectLinesParams& params)
 {
-    const double min_length = params.min_segment * std::sqrt(image.width / kReferenceWidth);
+    const double min_length = min_segment_length(image, params);
     const cv::Mat bytes = to_bytes(image);
     const auto lines =
         params.method == SegmentMethod::Lsd ? run_lsd(bytes, params) : run_edlines(bytes, params, min_length);

@@ -13,7 +13,10 @@ struct Segment {
     double length() const { return (b - a).norm(); }
 };
 
-// Segments of at least the length that `params` ask for in an image of that width, in the detector's order.
+// What `params` ask for in an image of that width [px].
+double min_segment_length(const GrayImage& image, const DetectLinesParams& params);
+
+// Segments of at least that length, in the order of the detector that `params` name, lsd or edlines.
 std::vector<Segment> detect_segments(const GrayImage& image, const DetectLinesParams& params);
 
 } // namespace quoin

@@ -122,15 +122,21 @@ double distance_to_line(const Eigen::Vector2d& p, const Eigen::Vector4f& segment
 }
 
 const Eigen::Vector3d kEye(0.7, 0.5, 0.9);
+constexpr std::array kMethods{SegmentMethod::Lsd, SegmentMethod::EdLines, SegmentMethod::Guided};
+
+DetectLinesParams of(SegmentMethod method)
+{
+    DetectLinesParams params;
+    params.method = method;
+    return params;
+}
 
 TEST(DetectLines, RecoversTheVisibleEdgesOfABoxWithinOnePixel)
 {
     const PlaneMesh mesh = box();
     const TestScan scan(mesh, {kEye});
-    for (const auto method : {SegmentMethod::Lsd, SegmentMethod::EdLines}) {
-        DetectLinesParams params;
-        params.method = method;
-        const LineMatches lines = scan.detect(mesh, params);
+    for (const auto method : kMethods) {
+        const LineMatches lines = scan.detect(mesh, of(method));
         std::set<std::array<PlaneId, 2>> borders;
         for (const auto& line : lines) {
             borders.insert(line.planes);
@@ -151,17 +157,24 @@ TEST(DetectLines, RecoversTheVisibleEdgesOfABoxWithinOnePixel)
     }
 }
 
+// By pair of planes [m].
+std::map<std::array<PlaneId, 2>, double> covered_lengths(const LineMatches& lines)
+{
+    std::map<std::array<PlaneId, 2>, double> covered;
+    for (const auto& line : lines)
+        covered[line.planes] += (line.end_points[1] - line.end_points[0]).norm();
+    return covered;
+}
+
 TEST(DetectLines, OverlapCoversMostOfEachEdge)
 {
     const PlaneMesh mesh = box();
     const TestScan scan(mesh, {kEye});
-    std::map<std::array<PlaneId, 2>, double> covered;
-    for (const auto& line : scan.detect(mesh, {}))
-        covered[line.planes] += (line.end_points[1] - line.end_points[0]).norm();
-    for (const auto& [planes, length] : covered) {
-        EXPECT_GT(length, 0.85 * kSide);
-        EXPECT_LT(length, 1.01 * kSide);
-    }
+    for (const auto method : kMethods)
+        for (const auto& [planes, length] : covered_lengths(scan.detect(mesh, of(method)))) {
+            EXPECT_GT(length, 0.85 * kSide);
+            EXPECT_LT(length, 1.01 * kSide);
+        }
 }
 
 // The box with a stripe of another colour, but of the same plane, along every edge of its sides.
@@ -180,15 +193,14 @@ TEST(DetectLines, GivesEveryPartOfABorderToItsNearestSegmentOnly)
 {
     const PlaneMesh mesh = box();
     const TestScan scan(striped_box(), {kEye});
-    DetectLinesParams params;
-    params.match_distance = 20.0; // further than the stripes are wide
-    std::map<std::array<PlaneId, 2>, double> covered;
-    const LineMatches lines = scan.detect(mesh, params);
-    for (const auto& line : lines)
-        covered[line.planes] += (line.end_points[1] - line.end_points[0]).norm();
-    EXPECT_EQ(covered.size(), 9u);
-    for (const auto& [planes, length] : covered)
-        EXPECT_LT(length, 1.01 * kSide);
+    for (const auto method : kMethods) {
+        DetectLinesParams params = of(method);
+        params.match_distance = 20.0; // further than the stripes are wide
+        const auto covered = covered_lengths(scan.detect(mesh, params));
+        EXPECT_EQ(covered.size(), 9u);
+        for (const auto& [planes, length] : covered)
+            EXPECT_LT(length, 1.01 * kSide);
+    }
 }
 
 TEST(DetectLines, MeasuresHowFarAWrongPoseMovesTheBorders)
@@ -197,16 +209,18 @@ TEST(DetectLines, MeasuresHowFarAWrongPoseMovesTheBorders)
     TestScan scan(mesh, {kEye});
     const double shift = 0.012; // [m], about 3 px at this distance
     scan.scan.frames[0].camera_from_world.translation().x() += shift;
-    const LineMatches lines = scan.detect(mesh, {});
-    EXPECT_GE(lines.size(), 7u);
-    double worst = 0.0;
-    for (const auto& line : lines)
-        worst = std::max(worst, static_cast<double>(line.fit_error));
-    EXPECT_GT(worst, 1.5);
-    EXPECT_LT(worst, 5.0);
-    DetectLinesParams strict;
-    strict.match_distance = 1.0;
-    EXPECT_LT(scan.detect(mesh, strict).size(), lines.size());
+    for (const auto method : kMethods) {
+        const LineMatches lines = scan.detect(mesh, of(method));
+        EXPECT_GE(lines.size(), 7u);
+        double worst = 0.0;
+        for (const auto& line : lines)
+            worst = std::max(worst, static_cast<double>(line.fit_error));
+        EXPECT_GT(worst, 1.5);
+        EXPECT_LT(worst, 5.0);
+        DetectLinesParams strict = of(method);
+        strict.match_distance = 1.0;
+        EXPECT_LT(scan.detect(mesh, strict).size(), lines.size());
+    }
 }
 
 TEST(DetectLines, BordersBehindAWallAreNotMatched)
@@ -221,7 +235,8 @@ TEST(DetectLines, BordersBehindAWallAreNotMatched)
     hidden.moments.emplace_back();
     hidden.face_plane.insert(hidden.face_plane.end(), 2, 6);
     hidden.vertex_class = classify_vertices(hidden.mesh, hidden.face_plane);
-    EXPECT_TRUE(scan.detect(hidden, {}).empty());
+    for (const auto method : kMethods)
+        EXPECT_TRUE(scan.detect(hidden, of(method)).empty());
 }
 
 TEST(DetectLines, FindsNothingInABlankImageOrWithoutKeyframes)
@@ -231,12 +246,10 @@ TEST(DetectLines, FindsNothingInABlankImageOrWithoutKeyframes)
     PlaneMesh far_box = mesh;
     for (auto& p : far_box.mesh.position)
         p.z() -= 50.0f; // behind the camera
-    for (const auto method : {SegmentMethod::Lsd, SegmentMethod::EdLines}) {
-        DetectLinesParams params;
-        params.method = method;
-        EXPECT_TRUE(detect_segments(GrayImage(64, 48, 0.5f), params).empty());
-        EXPECT_TRUE(blank.detect(far_box, params).empty());
-    }
+    for (const auto method : {SegmentMethod::Lsd, SegmentMethod::EdLines})
+        EXPECT_TRUE(detect_segments(GrayImage(64, 48, 0.5f), of(method)).empty());
+    for (const auto method : kMethods)
+        EXPECT_TRUE(blank.detect(far_box, of(method)).empty());
     blank.keyframes.frame.clear();
     EXPECT_TRUE(blank.detect(mesh, {}).empty());
 }
@@ -254,18 +267,20 @@ TEST(DetectLines, HasTheSameBytesForAnyNumberOfThreads)
 {
     const PlaneMesh mesh = box();
     const TestScan scan(mesh, {kEye, {-0.7, 0.6, 0.8}, {0.1, -0.9, 0.7}, {0.9, 0.2, -0.6}, {0.5, 0.9, 0.4}});
-    set_thread_count(1);
-    const LineMatches one = scan.detect(mesh, {});
-    EXPECT_GT(one.size(), 20u);
-    for (const int threads : {2, 4}) {
-        set_thread_count(threads);
-        const LineMatches many = scan.detect(mesh, {});
-        ASSERT_EQ(one.size(), many.size());
-        for (std::size_t i = 0; i < one.size(); ++i) {
-            EXPECT_EQ(one[i].segment, many[i].segment);
-            EXPECT_EQ(one[i].frame, many[i].frame);
-            EXPECT_EQ(one[i].end_points, many[i].end_points);
-            EXPECT_EQ(one[i].fit_error, many[i].fit_error);
+    for (const auto method : kMethods) {
+        set_thread_count(1);
+        const LineMatches one = scan.detect(mesh, of(method));
+        EXPECT_GT(one.size(), 20u);
+        for (const int threads : {2, 4}) {
+            set_thread_count(threads);
+            const LineMatches many = scan.detect(mesh, of(method));
+            ASSERT_EQ(one.size(), many.size());
+            for (std::size_t i = 0; i < one.size(); ++i) {
+                EXPECT_EQ(one[i].segment, many[i].segment);
+                EXPECT_EQ(one[i].frame, many[i].frame);
+                EXPECT_EQ(one[i].end_points, many[i].end_points);
+                EXPECT_EQ(one[i].fit_error, many[i].fit_error);
+            }
         }
     }
     set_thread_count(0);
