@@ -25,18 +25,18 @@ public:
     double at_offset(double offset) const;
 
     // The line with most votes and its votes; each px between its middle and `expected` costs it the fraction
-    // `off_cost` of them. All lines of whole offsets at both ends are tried that rise by at most `max_rise` px.
+    // `off_cost` of them. All lines of whole offsets are tried whose rise is even and at most `max_rise` px.
     std::pair<StripLine, double> best(int max_rise, double expected, double off_cost) const;
 
 private:
-    int width() const { return 2 * reach_ + 1; }
-    const float* row(int place) const { return vote_.data() + static_cast<std::ptrdiff_t>(place) * width(); }
-    double slope_of(int rise) const;
-    void add_up(int rise, std::vector<float>& sum) const;
+    int stride() const { return 6 * reach_ + 1; }
+    double slope_of(int rise) const; // of a line that rises so many px from the first to the last place
+    // Votes of all lines of that slope: element k is of the one that starts at offset k - reach.
+    std::vector<float> sums(int rise) const;
 
     int reach_, places_;
-    std::vector<float> vote_;     // one row a place
-    std::vector<float> parallel_; // sums of the columns
+    std::vector<float> vote_; // one row a place, with room for a rise of 2 reach on either side
+    std::vector<float> parallel_;
 };
 
 } // namespace quoin

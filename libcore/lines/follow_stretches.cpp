@@ -159,6 +159,7 @@ std::optional<Edge> edge_of_polarity(const Search& search, std::size_t polarity,
 {
     const Strip& strip = search.strip;
     const auto& points = search.points[polarity];
+    if (static_cast<double>(points.size()) * strip.step < params.guided_share * min_length) return {};
     const double length = strip.step * (strip.places - 1);
     const int max_rise =
         std::min(2 * params.guided_reach, static_cast<int>(length * std::tan(radians(params.match_angle))));
