@@ -94,7 +94,7 @@ std::vector<Reading> readings_around(const Reading& current)
 
 ReprojectionCheck::ReprojectionCheck(const ScanImages& images, std::vector<Eigen::Matrix4d> listed_poses,
                                      const CheckSettings& settings)
-    : camera_(images.scan().depth)
+    : camera_(images.scan().depth), good_(settings.good)
 {
     const std::vector<FrameId> ids = frames_to_compare(images.scan());
     if (ids.size() < 2 || settings.pairs == 0) return;
@@ -146,14 +146,13 @@ ScanCheck ReprojectionCheck::agreement(const Reading& reading) const
 
 Reading ReprojectionCheck::better_reading(const Reading& current, double ratio) const
 {
-    constexpr double as_good = 1.25;   // readings within this factor of the best are equals
-    constexpr double fits_well = 0.05; // of the depth; asked for where the current one has nothing to compare
+    constexpr double as_good = 1.25; // readings within this factor of the best are equals
     const ScanCheck now = agreement(current);
     std::vector<std::pair<double, Reading>> candidates;
     for (const Reading& reading : readings_around(current)) {
         const ScanCheck check = agreement(reading);
-        const bool fits = check.samples * 2 >= now.samples && overlaps(check) &&
-                          check.relative * ratio <= (now.samples == 0 ? ratio * fits_well : now.relative);
+        const bool fits = check.samples * 2 >= now.samples && overlaps(check) && is_good(check) &&
+                          (now.samples == 0 || check.relative * ratio <= now.relative);
         if (fits) candidates.emplace_back(check.relative, reading);
     }
     if (candidates.empty()) return current;

@@ -16,7 +16,8 @@ struct ScanCheck {
 
 struct CheckSettings {
     int pairs = 20;
-    double gap = 0.67; // between the frames of a pair [s]; at least one frame, at most half the scan
+    double gap = 0.67;  // between the frames of a pair [s]; at least one frame, at most half the scan
+    double good = 0.05; // ScanCheck::relative up to which the depths agree
 };
 
 // One way to read a scan: the convention of its poses and its depth unit.
@@ -38,12 +39,15 @@ public:
     // Frames from one of a pair to the other.
     std::size_t gap() const { return gap_; }
 
+    // Whether the depths agree, as far as any could be compared.
+    bool is_good(const ScanCheck& check) const { return check.samples == 0 || check.relative <= good_; }
+
     // Whether a tenth of the pixels could be compared: below, agreement is chance.
     bool overlaps(const ScanCheck& check) const;
 
-    // The reading that overlaps, fits at least `ratio` times better than `current` and compares at least half as many
-    // pixels: inverted poses, other axes, flipped y, other common depth units. The one with fewest changes among
-    // equals. Returns `current` itself when there is none.
+    // The reading that overlaps, is good, fits at least `ratio` times better than `current` and compares at least half
+    // as many pixels: inverted poses, other axes, flipped y, other common depth units. The one with fewest changes
+    // among equals. Returns `current` itself when there is none.
     Reading better_reading(const Reading& current, double ratio) const;
 
 private:
@@ -58,6 +62,7 @@ private:
     std::vector<View> views_;
     std::vector<Pair> pairs_;
     std::size_t gap_ = 1;
+    double good_ = 0.0;
 };
 
 } // namespace quoin

@@ -277,11 +277,12 @@ void compare_depths(const ScanImages& images, const std::vector<ListedFrame>& fr
         poses.push_back(frame.pose);
     const Reading current{convention, images.scan().depth_unit};
     for (double gap = params.check_gap;; gap /= 2) { // a camera that turns fast soon sees something else
-        const ReprojectionCheck check(images, poses, {params.check_pairs, gap});
+        const ReprojectionCheck check(images, poses, {params.check_pairs, gap, params.check_good});
         const Reading better = check.better_reading(current, params.check_ratio);
         report.check = check.agreement(current);
         report.suggestion = flags_between(current, better);
         report.suggested = check.agreement(better);
+        report.disagrees = report.suggestion.empty() && !check.is_good(report.check);
         if (check.overlaps(report.check) || !report.suggestion.empty() || check.gap() <= 1) return;
     }
 }
@@ -344,6 +345,11 @@ void log_report(const ImportReport& report)
                                 "depth): the poses or the depth "
                                 "unit seem to follow another convention",
                                 report.suggestion, 100.0 * report.suggested.relative, 100.0 * report.check.relative));
+    if (report.disagrees)
+        log_warning(fmt::format("depth seen from another frame differs by {:.1f} % of the depth in the median, and no "
+                                "other convention fits: poses and depth images do not belong together. Check their "
+                                "order and times, and whether tracking was lost",
+                                100.0 * report.check.relative));
 }
 
 } // namespace quoin

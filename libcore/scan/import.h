@@ -35,6 +35,7 @@ struct ImportParams {
     int check_pairs = 20;
     double check_gap = 0.67;
     double check_ratio = 2.0;
+    double check_good = 0.05;
 
     static constexpr auto list()
     {
@@ -94,6 +95,9 @@ struct ImportParams {
                   1e6, report_only},
             Param{"check_ratio", &P::check_ratio, "", "report another convention that fits so many times better", 1.0,
                   1e6, report_only},
+            Param{"check_good", &P::check_good, "",
+                  "depths agree that differ by this fraction in the median; report when no convention makes them", 0.0,
+                  1.0, report_only},
         };
     }
 };
@@ -108,6 +112,7 @@ struct ImportReport {
     ScanCheck check;
     std::string suggestion; // flags that fit several times better, "--set pose=world_to_camera"; "" = none
     ScanCheck suggested;    // agreement with these flags
+    bool disagrees = false; // depths differ by more than check_good, and no flags help
 };
 
 struct ImportedScan {

@@ -236,6 +236,23 @@ INSTANTIATE_TEST_SUITE_P(
                     WrongConvention{"unit", {.depth_unit = 0.005}, "--set depth_unit=0.001"}),
     [](const auto& param) { return param.param.name; });
 
+TEST_F(ImportTest, SaysWhenNoConventionMakesTheDepthsAgree)
+{
+    EXPECT_FALSE(import().report.disagrees);
+    for (std::size_t i = 0; i < 8; ++i) { // depth images that other poses saw
+        Eigen::Matrix4d seen_from = walk(8)[(3 * i + 5) % 8];
+        seen_from.topLeftCorner<3, 3>() *=
+            Eigen::AngleAxisd(2.5 * static_cast<double>(i), Eigen::Vector3d::UnitY()).toRotationMatrix();
+        folder_.write_depth(frame_name(i, "depth.png"), seen_from, 0.001);
+    }
+    const ImportReport report = import().report;
+    EXPECT_TRUE(report.disagrees) << report.check.relative;
+    EXPECT_EQ(report.suggestion, "");
+    testing::internal::CaptureStderr();
+    log_report(report);
+    EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("poses and depth images do not belong together"));
+}
+
 TEST(PoseConventions, AllGiveProperRotations)
 {
     for (int bits = 0; bits < 8; ++bits) {
