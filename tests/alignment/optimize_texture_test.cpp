@@ -3,6 +3,7 @@
 #include "alignment/state.h"
 #include "base/error.h"
 #include "base/parallel.h"
+#include "image/sampling.h"
 #include "textured_room.h"
 
 #include <gtest/gtest.h>
@@ -76,6 +77,22 @@ Moments moments_of_square(const Plane& plane, const Eigen::Vector3d& center)
     Moments moments = triangle_moments(center - u - v, center + u - v, center + u + v);
     moments += triangle_moments(center - u - v, center + u + v, center - u + v);
     return moments;
+}
+
+// Out of focus: a mean over 31 pixels each way leaves no texture.
+ColorImage blurred(const ColorImage& image)
+{
+    constexpr int kRadius = 15;
+    ColorImage result(image.width, image.height);
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            int sum = 0, count = 0;
+            for (int v = std::max(0, y - kRadius); v <= std::min(image.height - 1, y + kRadius); ++v)
+                for (int u = std::max(0, x - kRadius); u <= std::min(image.width - 1, x + kRadius); ++u, ++count)
+                    sum += image.at(u, v)[0];
+            result.at(x, y).fill(static_cast<std::uint8_t>(sum / count));
+        }
+    return result;
 }
 
 TEST(OptimizeTexture, BringsDisturbedCamerasBack)
@@ -227,6 +244,78 @@ TEST(OptimizeTexture, AcceptsOneKeyframeAndNone)
     expect_finite(none);
     EXPECT_TRUE(none.camera_from_world.empty());
     EXPECT_EQ(none.plane.size(), room.mesh.plane.size());
+}
+
+TEST(OptimizeTexture, HoldsBlurredAndSaturatedFramesByDepth)
+{
+    for (const bool saturated : {false, true}) {
+        auto room = textured_room({.saturated = saturated});
+        for (ColorImage& image : room.color)
+            image = blurred(image);
+        const auto alignment = align(room, small_room_params());
+        expect_finite(alignment);
+        EXPECT_LT(relative_position_error(room, alignment), 0.8) << (saturated ? "saturated" : "blurred");
+    }
+}
+
+TEST(OptimizeTexture, AlignsTheFramesBeforeAJumpOfThePosesAndSendsNoneFarther)
+{
+    for (const double jump : {0.25, 0.5, 1.5}) { // [m]
+        auto room = textured_room({});
+        for (std::size_t k = 4; k < 8; ++k)
+            room.scan.frames[k].camera_from_world.translation() += jump * Eigen::Vector3d(0.7, -0.4, 0.6);
+        const auto alignment = align(room, small_room_params());
+        expect_finite(alignment);
+        const auto error_of = [&](std::size_t k, const std::vector<Rigid>& poses) {
+            return position_error({poses[k]}, {room.true_camera_from_world[k]});
+        };
+        for (std::size_t k = 0; k < 4; ++k)
+            EXPECT_LT(error_of(k, alignment.camera_from_world), 0.005) << jump << " m: frame " << k;
+        for (std::size_t k = 4; k < 8; ++k)
+            EXPECT_LT(error_of(k, alignment.camera_from_world), 1.05 * error_of(k, input_poses(room)))
+                << jump << " m: frame " << k;
+    }
+}
+
+TEST(OptimizeTexture, TakesColourOfAnotherSizeThanDepth)
+{
+    auto room = textured_room({});
+    room.scan.color = room.scan.color.at_level(1);
+    for (ColorImage& image : room.color)
+        image = half_size(image);
+    const auto alignment = align(room, small_room_params());
+    expect_finite(alignment);
+    EXPECT_LT(relative_position_error(room, alignment), 0.3);
+}
+
+TEST(OptimizeTexture, IsNotLedAstrayByDepthOfOtherFrames)
+{
+    auto room = textured_room({});
+    std::ranges::rotate(room.depth, room.depth.begin() + 3);
+    const auto alignment = align(room, small_room_params());
+    expect_finite(alignment);
+    EXPECT_LE(relative_position_error(room, alignment), 1.0);
+}
+
+TEST(OptimizeTexture, LeavesAPlaneAloneThatIsSeenEdgeOnOnly)
+{
+    auto room = textured_room({.frames = 1, .position_noise = 0.0, .rotation_noise = 0.0});
+    const Eigen::Vector3d eye = room.true_camera_from_world[0].inverse().translation();
+    const auto first = static_cast<VertexId>(room.mesh.mesh.position.size());
+    for (const auto& [x, z] : {std::pair(0.3, 0.4), {0.9, 0.4}, {0.3, 0.9}}) // a fin in the plane y = eye.y
+        room.mesh.mesh.position.push_back(Eigen::Vector3d(x, eye.y(), z).cast<float>());
+    room.mesh.mesh.face.push_back({first, first + 1, first + 2});
+    room.mesh.face_plane.push_back(6);
+    room.mesh.plane.push_back({Eigen::Vector3d::UnitY(), -eye.y()});
+    const auto corner = [&](VertexId v) -> Eigen::Vector3d {
+        return room.mesh.mesh.position[first + v].cast<double>();
+    };
+    room.mesh.moments.push_back(triangle_moments(corner(0), corner(1), corner(2)));
+    room.mesh.vertex_class = classify_vertices(room.mesh.mesh, room.mesh.face_plane);
+    const auto alignment = align(room, small_room_params());
+    expect_finite(alignment);
+    EXPECT_NEAR(alignment.plane[6].offset, -eye.y(), 1e-3);
+    EXPECT_GT(alignment.plane[6].normal.y(), 0.9999);
 }
 
 TEST(OptimizeTexture, LeavesAFrameThatSeesNothingWhereItWas)
