@@ -7,14 +7,18 @@
 #include "bake/level_seams.h"
 #include "bake/pages.h"
 #include "base/error.h"
+#include "base/log.h"
 #include "base/parallel.h"
 
 #include <cmath>
+#include <fmt/format.h>
 #include <numbers>
 #include <string>
 
 namespace quoin {
 namespace {
+
+constexpr double kMega = 1e6;
 
 void check(const BakeInput& input)
 {
@@ -36,15 +40,25 @@ void check(const BakeInput& input)
         throw ImpossibleError("the plane mesh has no faces; there is nothing to texture");
 }
 
+void report(const Atlas& atlas, const AtlasOptions& options)
+{
+    double texels = 0.0;
+    for (const PageSize& page : atlas.page)
+        texels += static_cast<double>(page.width) * page.height;
+    log_info(fmt::format("{} charts on {} pages of at most {} px; {:.1f} million texels", atlas.chart.size(),
+                         atlas.page.size(), options.max_page, texels / kMega));
+}
+
 Atlas make_atlas(const BakeInput& input, const BakeTextureParams& params)
 {
-    constexpr double kMega = 1e6;
     auto charts = make_charts(input.planes, std::cos(params.max_view_angle * std::numbers::pi / 180.0));
     set_densities(charts, input.planes, input.alignment, params);
     split_overlaps(input.planes, charts);
     const AtlasOptions options{params.clean_mip_levels, params.max_page_size, params.max_megatexels * kMega,
                                params.density};
-    return lay_out_atlas(input.planes, std::move(charts), options);
+    Atlas atlas = lay_out_atlas(input.planes, std::move(charts), options);
+    report(atlas, options);
+    return atlas;
 }
 
 void fill_unseen(const BakeInput& input, const Atlas& atlas, const BakeTextureParams& params,

@@ -200,6 +200,50 @@ TEST(BakeTexture, WorksFromOneKeyframe)
         EXPECT_NE(texel.source, TexelSource::Empty);
 }
 
+TEST(BakeTexture, TakesColourOfAnotherSizeThanDepth)
+{
+    PaintedScan scan(room_corner(3), smooth_paint, 1);
+    for (const Vector3d& eye : {Vector3d(1.3, 1.2, 1.1), Vector3d(1.5, 0.9, 1.0)})
+        scan.add_view(looking_at(eye, {0.35, 0.35, 0.35}));
+    const auto d = difference(texels_of(bake(scan, exact_params())), scan, TexelSource::Photograph);
+    EXPECT_GT(d.count, 50000u);
+    EXPECT_LT(d.most, 3.0);
+}
+
+TEST(BakeTexture, OfSaturatedPhotographsIsWhiteAndOfBlackOnesBlack)
+{
+    for (const double value : {0.0, 255.0}) {
+        const auto scan = painted_corner([&](const Vector3d&) { return Vector3d::Constant(value).eval(); });
+        const auto texels = texels_of(bake(*scan, exact_params()));
+        for (const auto& texel : texels)
+            EXPECT_NE(texel.source, TexelSource::Empty);
+        EXPECT_LT(difference(texels, *scan, TexelSource::Photograph).worst, 4.0) << "around the corner it is black";
+        EXPECT_EQ(difference(texels, *scan, TexelSource::Photograph).most, 0.0);
+    }
+}
+
+TEST(BakeTexture, TakesNoColourFromPhotographsWhoseDepthIsNotTheirOwn)
+{
+    PaintedScan scan(room_corner(3), smooth_paint);
+    for (const Vector3d& eye : {Vector3d(1.3, 1.2, 1.1), Vector3d(1.5, 0.9, 1.0)}) {
+        const Rigid pose = looking_at(eye, {0.35, 0.35, 0.35});
+        scan.add_view_with_depth_of(looking_at(eye - Vector3d(0.5, 0.5, 0.5), {0.35, 0.35, 0.35}), pose);
+    }
+    TriangleMesh dense = scan.planes().mesh;
+    dense.color.assign(dense.position.size(), Rgb8{200, 100, 50});
+    auto params = exact_params();
+    params.dense_radius = 1.0;
+    std::size_t from_photographs = 0;
+    const auto texels = texels_of(bake(scan, params, &dense));
+    for (const auto& texel : texels) {
+        from_photographs += texel.source == TexelSource::Photograph ? 1u : 0u;
+        EXPECT_NE(texel.source, TexelSource::Empty);
+    }
+    EXPECT_LT(from_photographs, texels.size() / 100);
+    for (const auto& texel : texels_of(bake(scan, params))) // and without anything to lend colour
+        EXPECT_NE(texel.source, TexelSource::DenseMesh);
+}
+
 // A wall that no camera sees, behind the corner's floor.
 PlaneMesh corner_and_hidden_wall()
 {
@@ -285,8 +329,11 @@ TEST(BakeTexture, UsesMorePagesWhenOneIsTooSmall)
     const auto scan = painted_corner();
     auto params = exact_params();
     params.max_page_size = 256;
+    testing::internal::CaptureStderr();
     const auto textured = bake(*scan, params);
     EXPECT_GT(textured.page.size(), 1u);
+    EXPECT_THAT(testing::internal::GetCapturedStderr(),
+                testing::HasSubstr("on " + std::to_string(textured.page.size()) + " pages of at most 256 px"));
     EXPECT_LT(difference(texels_of(textured), *scan, TexelSource::Photograph).most, 2.0);
 }
 

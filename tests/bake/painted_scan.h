@@ -10,6 +10,7 @@
 #include "scan/scan.h"
 #include "support/temporary_folder.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <functional>
@@ -30,9 +31,12 @@ inline Rigid looking_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& targe
 
 class PaintedScan {
 public:
-    PaintedScan(PlaneMesh planes, Paint paint) : planes_(std::move(planes)), paint_(std::move(paint))
+    // Colour images have 1/2^level of the size of depth.
+    PaintedScan(PlaneMesh planes, Paint paint, int color_level = 0)
+        : planes_(std::move(planes)), paint_(std::move(paint))
     {
-        scan_.color = scan_.depth = {320, 240, 300.0, 300.0, 159.5, 119.5};
+        scan_.depth = {320, 240, 300.0, 300.0, 159.5, 119.5};
+        scan_.color = scan_.depth.at_level(color_level);
         scan_.depth_unit = 0.0002;
         alignment_.color = scan_.color;
         alignment_.plane = planes_.plane;
@@ -41,10 +45,27 @@ public:
     // A keyframe whose recorded colours are (paint - bias) / gain.
     void add_view(const Rigid& camera_from_world, double gain = 1.0, double bias = 0.0)
     {
-        const auto id = static_cast<FrameId>(scan_.frames.size());
+        add_view(camera_from_world, photograph(camera_from_world, gain, bias), depth_from(camera_from_world), gain,
+                 bias);
+    }
+
+    // One whose depth image another pose saw.
+    void add_view_with_depth_of(const Rigid& other_from_world, const Rigid& camera_from_world)
+    {
+        add_view(camera_from_world, photograph(camera_from_world, 1.0, 0.0), depth_from(other_from_world), 1.0, 0.0);
+    }
+
+    ScanImages images() const { return {scan_, folder_.path()}; }
+    const PlaneMesh& planes() const { return planes_; }
+    const Keyframes& keyframes() const { return keyframes_; }
+    const Alignment& alignment() const { return alignment_; }
+    Eigen::Vector3d paint(const Eigen::Vector3d& p_world) const { return paint_(p_world); }
+
+private:
+    ColorImage photograph(const Rigid& camera_from_world, double gain, double bias) const
+    {
         const Visibility seen = rasterize(planes_.mesh, scan_.color, camera_from_world);
         ColorImage color(scan_.color.width, scan_.color.height, Rgb8{0, 0, 0});
-        Image<std::uint16_t> depth(scan_.depth.width, scan_.depth.height, 0);
         for (int y = 0; y < color.height; ++y)
             for (int x = 0; x < color.width; ++x) {
                 const double z = seen.depth.at(x, y);
@@ -54,8 +75,23 @@ public:
                 for (int c = 0; c < 3; ++c)
                     color.at(x, y)[static_cast<std::size_t>(c)] =
                         static_cast<std::uint8_t>(std::lround(std::clamp(recorded[c], 0.0, 255.0)));
-                depth.at(x, y) = static_cast<std::uint16_t>(std::lround(z / scan_.depth_unit));
             }
+        return color;
+    }
+
+    Image<std::uint16_t> depth_from(const Rigid& camera_from_world) const
+    {
+        const Visibility seen = rasterize(planes_.mesh, scan_.depth, camera_from_world);
+        Image<std::uint16_t> depth(scan_.depth.width, scan_.depth.height, 0);
+        std::ranges::transform(seen.depth.pixels, depth.pixels.begin(),
+                               [&](float z) { return static_cast<std::uint16_t>(std::lround(z / scan_.depth_unit)); });
+        return depth;
+    }
+
+    void add_view(const Rigid& camera_from_world, const ColorImage& color, const Image<std::uint16_t>& depth,
+                  double gain, double bias)
+    {
+        const auto id = static_cast<FrameId>(scan_.frames.size());
         Frame frame;
         frame.camera_from_world = camera_from_world;
         frame.color = save("color" + std::to_string(id) + ".png", encode_png(color));
@@ -69,13 +105,6 @@ public:
         alignment_.bias.push_back(Eigen::Vector3f::Constant(static_cast<float>(bias)));
     }
 
-    ScanImages images() const { return {scan_, folder_.path()}; }
-    const PlaneMesh& planes() const { return planes_; }
-    const Keyframes& keyframes() const { return keyframes_; }
-    const Alignment& alignment() const { return alignment_; }
-    Eigen::Vector3d paint(const Eigen::Vector3d& p_world) const { return paint_(p_world); }
-
-private:
     ScanFile save(const std::string& name, const std::vector<std::byte>& bytes)
     {
         std::ofstream(folder_ / name, std::ios::binary)
