@@ -48,40 +48,34 @@ bool has_neighbours(const GrayImage& image, const Eigen::Vector2d& u)
     return u.x() >= 0.0 && u.y() >= 0.0 && u.x() < image.width - 1 && u.y() < image.height - 1;
 }
 
-// From the line outwards; beyond the image's border the last value repeats and has no gradient.
-void sample_side(const GrayImage& image, const Eigen::Vector2d& place, const Eigen::Vector2d& step, int count,
-                 float* value, int stride)
+float sampled(const GrayImage& image, const Eigen::Vector2d& u)
 {
-    for (int i = 0; i <= count; ++i) {
-        const Eigen::Vector2d u = place + i * step;
-        if (has_neighbours(image, u))
-            value[i * stride] = kGreyLevels * sample_gray(image, u.x(), u.y()).value;
-        else
-            value[i * stride] = i > 0 ? value[(i - 1) * stride] : 0.0f;
-    }
+    return kGreyLevels * sample_gray(image, u.x(), u.y()).value;
 }
 
-void sample_inside(const GrayImage& image, const Eigen::Vector2d& first, const Eigen::Vector2d& step, int count,
-                   float* value)
+// Beyond the image's border the last value repeats and has no gradient.
+void sample_profile(const GrayImage& image, const Eigen::Vector2d& place, const Eigen::Vector2d& across, int reach,
+                    float* centre)
 {
-    for (int i = 0; i < count; ++i)
-        value[i] = kGreyLevels * sample_gray(image, first.x() + i * step.x(), first.y() + i * step.y()).value;
+    if (has_neighbours(image, place - reach * across) && has_neighbours(image, place + reach * across)) {
+        for (int i = -reach; i <= reach; ++i)
+            centre[i] = sampled(image, place + i * across);
+        return;
+    }
+    for (const int side : {-1, 1})
+        for (int i = 0; i <= reach; ++i) {
+            const Eigen::Vector2d u = place + side * i * across;
+            const float last = i > 0 ? centre[side * (i - 1)] : 0.0f;
+            centre[side * i] = has_neighbours(image, u) ? sampled(image, u) : last;
+        }
 }
 
 Profiles sample_profiles(const GrayImage& image, const Strip& strip, int reach)
 {
     Profiles profiles(strip.places, reach);
-    for (int i = 0; i < strip.places; ++i) {
-        const Eigen::Vector2d place = strip.start + i * strip.step * strip.along;
-        const Eigen::Vector2d first = place - reach * strip.across, last = place + reach * strip.across;
-        if (has_neighbours(image, first) && has_neighbours(image, last)) {
-            sample_inside(image, first, strip.across, profiles.width, profiles.row(i));
-            continue;
-        }
-        float* centre = profiles.row(i) + profiles.centre;
-        sample_side(image, place, strip.across, reach, centre, 1);
-        sample_side(image, place, -strip.across, reach, centre, -1);
-    }
+    for (int i = 0; i < strip.places; ++i)
+        sample_profile(image, strip.start + i * strip.step * strip.along, strip.across, reach,
+                       profiles.row(i) + profiles.centre);
     return profiles;
 }
 

@@ -149,27 +149,33 @@ Eigen::Vector2d common_shift(const std::vector<Search>& searches, const DetectLi
     return best;
 }
 
+// Of the edges in one image.
+struct Expectation {
+    Eigen::Vector2d shift; // to where the borders appear [px]
+    double min_length;     // [px]
+};
+
 struct Edge {
     Segment segment;
     double votes;
 };
 
-std::optional<Edge> edge_of_polarity(const Search& search, std::size_t polarity, const Eigen::Vector2d& shift,
-                                     double min_length, const DetectLinesParams& params)
+std::optional<Edge> edge_of_polarity(const Search& search, std::size_t polarity, const Expectation& expected,
+                                     const DetectLinesParams& params)
 {
     const Strip& strip = search.strip;
     const auto& points = search.points[polarity];
-    if (static_cast<double>(points.size()) * strip.step < params.guided_share * min_length) return {};
+    if (static_cast<double>(points.size()) * strip.step < params.guided_share * expected.min_length) return {};
     const double length = strip.step * (strip.places - 1);
     const int max_rise =
         std::min(2 * params.guided_reach, static_cast<int>(length * std::tan(radians(params.match_angle))));
-    auto [line, votes] =
-        search.votes[polarity].best(max_rise, strip.across.dot(shift), params.guided_off_cost / params.guided_reach);
+    auto [line, votes] = search.votes[polarity].best(max_rise, strip.across.dot(expected.shift),
+                                                     params.guided_off_cost / params.guided_reach);
     if (votes <= 0.0) return {};
     const Run whole{0, strip.places - 1};
     line = refine(points, line, whole, params.guided_tolerance);
     const Run run = densest_run(inliers(points, line, whole, params.guided_tolerance), params.guided_share);
-    if ((run.size() - 1) * strip.step < min_length) return {};
+    if ((run.size() - 1) * strip.step < expected.min_length) return {};
     line = refine(points, line, run, params.guided_tolerance);
     const auto on_line = inliers(points, line, run, params.guided_tolerance);
     if (static_cast<double>(on_line.size()) < params.guided_share * run.size() ||
@@ -189,17 +195,19 @@ struct Found {
     auto key() const { return std::tuple(off, stretch); }
 };
 
-std::optional<Found> find_edge(const Search& search, const Stretch& stretch, const Eigen::Vector2d& shift,
-                               const MeshView& view, double min_length, const DetectLinesParams& params)
+std::optional<Found> find_edge(const Search& search, const Stretch& stretch, const Expectation& expected,
+                               const MeshView& view, const DetectLinesParams& params)
 {
-    const auto up = edge_of_polarity(search, 0, shift, min_length, params);
-    const auto down = edge_of_polarity(search, 1, shift, min_length, params);
+    const auto up = edge_of_polarity(search, 0, expected, params);
+    const auto down = edge_of_polarity(search, 1, expected, params);
     if (!up && !down) return {};
     const Segment segment = !down || (up && up->votes >= down->votes) ? up->segment : down->segment;
     const auto overlap = overlap_of(segment, stretch, view.camera, params);
     if (!overlap) return {};
     const Strip& strip = search.strip;
-    const auto off = [&](const Eigen::Vector2d& u) { return std::abs(strip.across.dot(u - strip.start - shift)); };
+    const auto off = [&](const Eigen::Vector2d& u) {
+        return std::abs(strip.across.dot(u - strip.start - expected.shift));
+    };
     return Found{search.stretch, segment, *overlap, 0.5 * (off(segment.a) + off(segment.b))};
 }
 
@@ -235,10 +243,10 @@ std::vector<SegmentMatch> follow_stretches(const GrayImage& image, const std::ve
     for (std::size_t i = 0; i < stretches.size(); ++i)
         if ((stretches[i].pixel[1] - stretches[i].pixel[0]).norm() >= min_length)
             searches.push_back(search_beside(image, stretches[i], i, params));
-    const Eigen::Vector2d shift = common_shift(searches, params);
+    const Expectation expected{common_shift(searches, params), min_length};
     std::vector<Found> found;
     for (const Search& search : searches)
-        if (const auto edge = find_edge(search, stretches[search.stretch], shift, view, min_length, params))
+        if (const auto edge = find_edge(search, stretches[search.stretch], expected, view, params))
             found.push_back(*edge);
     std::vector<SegmentMatch> matches;
     for (const Found& one : choose(std::move(found), 2.0 * params.guided_tolerance))
