@@ -93,11 +93,10 @@ struct ImportParams {
                   1000.0, report_only},
             Param{"check_gap", &P::check_gap, "s", "time between the two frames of a pair; 20 frames at 30 Hz", 0.0,
                   1e6, report_only},
-            Param{"check_ratio", &P::check_ratio, "", "report another convention that fits so many times better", 1.0,
-                  1e6, report_only},
-            Param{"check_good", &P::check_good, "",
-                  "depths agree that differ by this fraction in the median; report when no convention makes them", 0.0,
-                  1.0, report_only},
+            Param{"check_ratio", &P::check_ratio, "", "report a convention that fits so many times better", 1.0, 1e6,
+                  report_only},
+            Param{"check_good", &P::check_good, "", "largest median difference of depths that agree", 0.0, 1.0,
+                  report_only},
         };
     }
 };

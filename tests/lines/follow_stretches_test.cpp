@@ -26,8 +26,9 @@ GrayImage drawn(const std::function<double(const Eigen::Vector2d&)>& shade)
     for (int y = 0; y < image.height; ++y)
         for (int x = 0; x < image.width; ++x) {
             double sum = 0.0;
-            for (int i = 0; i < kRays * kRays; ++i)
-                sum += shade(Eigen::Vector2d(x + (i % kRays + 0.5) / kRays - 0.5, y + (i / kRays + 0.5) / kRays - 0.5));
+            for (int v = 0; v < kRays; ++v)
+                for (int u = 0; u < kRays; ++u)
+                    sum += shade(Eigen::Vector2d(x + (u + 0.5) / kRays - 0.5, y + (v + 0.5) / kRays - 0.5));
             image.at(x, y) = static_cast<float>(sum / (kRays * kRays));
         }
     return image;
