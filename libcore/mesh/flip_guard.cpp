@@ -17,8 +17,8 @@ using Flags = std::vector<std::uint8_t>;
 
 // How a face and its edges lie; the larger, the better.
 struct Posture {
-    float facing = 0.0f;                            // cosine between the face and its plane, -1 without area
-    float shape = 0.0f;                             // height over longest edge
+    float facing = 0.0f;                           // cosine between the face and its plane, -1 without area
+    float shape = 0.0f;                            // height over longest edge
     std::array<float, 3> unfold{1.0f, 1.0f, 1.0f}; // cosine to the face across an edge, 1 where there is not one
 };
 

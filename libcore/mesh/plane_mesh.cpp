@@ -37,7 +37,12 @@ VertexClass class_of(const Seen& seen)
 
 std::vector<VertexClass> classify_vertices(const TriangleMesh& mesh, const std::vector<PlaneId>& face_plane)
 {
-    const auto opposite = opposite_half_edges(mesh);
+    return classify_vertices(mesh, face_plane, opposite_half_edges(mesh));
+}
+
+std::vector<VertexClass> classify_vertices(const TriangleMesh& mesh, const std::vector<PlaneId>& face_plane,
+                                           const std::vector<std::uint32_t>& opposite)
+{
     std::vector<Seen> seen(mesh.position.size());
     std::vector<std::uint8_t> mesh_border(mesh.position.size(), 0);
     for (std::uint32_t h = 0; h < opposite.size(); ++h) {

@@ -24,5 +24,8 @@ struct PlaneMesh {
 
 // Classes of all vertices from the planes of their faces.
 std::vector<VertexClass> classify_vertices(const TriangleMesh& mesh, const std::vector<PlaneId>& face_plane);
+// The same where the opposites of half-edges are known.
+std::vector<VertexClass> classify_vertices(const TriangleMesh& mesh, const std::vector<PlaneId>& face_plane,
+                                           const std::vector<std::uint32_t>& opposite);
 
 } // namespace quoin

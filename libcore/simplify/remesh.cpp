@@ -2,11 +2,13 @@
 
 #include "base/log.h"
 #include "base/parallel.h"
+#include "mesh/adjacency.h"
 #include "simplify/collapse_mesh.h"
 #include "simplify/contract.h"
 #include "simplify/outlines.h"
 #include "simplify/snap.h"
 #include "simplify/stitch.h"
+#include "simplify/zones.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -25,45 +27,64 @@ constexpr std::size_t kPlaneGrain = 8; // [planes]
 
 using Flags = std::vector<std::uint8_t>;
 
-Flags flat_planes(const PlaneMesh& mesh, const Curves& curves, const SimplifyParams& params)
+// The zones that can be filled anew between their borders.
+Flags flat_zones(const Zones& zones, const Curves& curves, const SimplifyParams& params)
 {
-    Flags flat(mesh.plane.size(), 1);
-    for (PlaneId p = 0; p < flat.size(); ++p)
-        if (params.max_inner_error > 0.0 && rms_to_plane(mesh.moments[p], mesh.plane[p]) > params.max_inner_error)
-            flat[p] = 0;
+    Flags flat(zones.size(), 1);
+    for (PlaneId z = 0; z < flat.size(); ++z) {
+        const bool bent =
+            params.max_inner_error > 0.0 && rms_to_plane(zones.moments(z), zones.plane(z)) > params.max_inner_error;
+        if (zones.rough(z) || bent) flat[z] = 0;
+    }
     for (const Curve& curve : curves.curve)
         for (std::size_t k = 0; k < 2; ++k)
             if (curve.planes[k] != kNoPlane && curve.runs[k] == 0) flat[curve.planes[k]] = 0;
     return flat;
 }
 
-// The faces of the planes that are not flat; all vertices.
-PlaneMesh rough_part(const PlaneMesh& mesh, const Flags& flat)
+// Of every face the piece that it belongs to.
+std::vector<std::uint32_t> pieces_of(const std::vector<Face>& faces, std::size_t vertices)
 {
-    PlaneMesh rough;
-    rough.mesh.position = mesh.mesh.position;
-    rough.plane = mesh.plane;
-    rough.vertex_class = mesh.vertex_class;
-    for (FaceId f = 0; f < mesh.mesh.face.size(); ++f) {
-        if (flat[mesh.face_plane[f]]) continue;
-        rough.mesh.face.push_back(mesh.mesh.face[f]);
-        rough.face_plane.push_back(mesh.face_plane[f]);
-    }
-    return rough;
+    TriangleMesh mesh;
+    mesh.position.resize(vertices);
+    mesh.face = faces;
+    return face_components(mesh);
 }
 
-// One attempt to fill all flat planes; planes that cannot be are reported as failed.
+// The segments around all pieces but the largest. Zones are one piece each; but what sticks out of one on a stalk, with
+// a border of its own, is laid down beside it.
+std::vector<std::uint32_t> segments_aside(const Outline& outline, const std::vector<Face>& faces)
+{
+    const auto piece = pieces_of(faces, outline.point.size());
+    std::vector<std::size_t> size;
+    for (const std::uint32_t p : piece) {
+        size.resize(std::max<std::size_t>(size.size(), p + 1), 0);
+        ++size[p];
+    }
+    const auto main = static_cast<std::uint32_t>(std::max_element(size.begin(), size.end()) - size.begin());
+    std::vector<std::array<std::uint32_t, 2>> aside; // half-edges
+    for (std::size_t f = 0; f < faces.size(); ++f)
+        for (std::size_t k = 0; k < 3; ++k)
+            if (piece[f] != main) aside.push_back({faces[f][k], faces[f][(k + 1) % 3]});
+    std::sort(aside.begin(), aside.end());
+    std::vector<std::uint32_t> found;
+    for (std::uint32_t s = 0; s < outline.segment.size(); ++s)
+        if (std::binary_search(aside.begin(), aside.end(), outline.segment[s])) found.push_back(s);
+    return found;
+}
+
+// One attempt to fill all flat planes, which are zones of those of the dense mesh; those that cannot be are reported as
+// failed. `mesh` has the faces of the others.
 class Remesher {
 public:
     Remesher(const PlaneMesh& mesh, const Curves& traced, const Flags& flat, const SimplifyParams& params)
-        : mesh_(mesh), params_(params), flat_(flat), curves_(traced), filled_(traced.curve.size(), 0),
+        : mesh_(mesh), params_(params), flat_(flat), curves_(traced), filled_(traced.curve.size(), 0), rough_(mesh),
           faces_(mesh.plane.size())
     {
     }
 
     bool run()
     {
-        rough_ = rough_part(mesh_, flat_);
         straighten();
         simplify_rough();
         fill_holes();
@@ -71,7 +92,7 @@ public:
         triangulate_planes();
         return std::none_of(failed_.begin(), failed_.end(), [](std::uint8_t f) { return f != 0; });
     }
-    const Flags& failed() const { return failed_; }
+    std::vector<Zones::Failure> failures() const;
     PlaneMesh result() const;
 
 private:
@@ -85,7 +106,8 @@ private:
     void thin_free_curves();
     void restore(CurveId id);
     static std::vector<PlaneOutline::Source> bad_segments(const PlaneOutline& plane);
-    bool tighten(const Outlines& outlines);
+    std::vector<Eigen::Vector3d> knots(const PlaneOutline& plane, const std::vector<std::uint32_t>& aside) const;
+    bool tighten(const Outlines& outlines, const Flags& changed);
     void tighten_segment(const PlaneOutline::Source& source);
     void release(std::uint32_t slot);
     void triangulate_planes();
@@ -106,6 +128,7 @@ private:
     Flags released_;                                               // one a vertex: is where it was in the dense mesh
     std::vector<std::vector<Face>> faces_;                         // one per plane
     Flags failed_;                                                 // one per plane
+    std::vector<std::vector<Eigen::Vector3d>> knots_;              // of planes that failed
 };
 
 // Vertices of curves onto the planes they bound; only rough planes have faces that could turn over.
@@ -219,14 +242,19 @@ void Remesher::thin_free_curves()
     const Outlines outlines(mesh_, curves_, filled_);
     dirty_.assign(curves_.curve.size(), 0);
     std::vector<CurveId> again = free_;
+    Flags changed(mesh_.plane.size(), 1);
     do {
         thin_curves(CurveFit(mesh_, curves_, position_, params_), again, bounds_, curves_, position_);
-        if (!tighten(outlines)) return;
+        if (!tighten(outlines, changed)) return;
         again.clear();
         for (const CurveId id : free_)
             if (dirty_[id]) again.push_back(id);
-        for (const CurveId id : again)
+        changed.assign(changed.size(), 0);
+        for (const CurveId id : again) {
             restore(id);
+            for (const PlaneId p : curves_.curve[id].planes)
+                if (p != kNoPlane) changed[p] = 1;
+        }
     } while (!again.empty());
 }
 
@@ -252,14 +280,14 @@ std::vector<PlaneOutline::Source> Remesher::bad_segments(const PlaneOutline& pla
     return bad;
 }
 
-// Takes the next step where borders of a plane are bad. Is there one?
-bool Remesher::tighten(const Outlines& outlines)
+// Takes the next step where borders of changed planes are bad. Is there one?
+bool Remesher::tighten(const Outlines& outlines, const Flags& changed)
 {
     std::vector<std::vector<PlaneOutline::Source>> bad(mesh_.plane.size());
     parallel_for(
         mesh_.plane.size(),
         [&](std::size_t p) {
-            if (!flat_[p]) return;
+            if (!flat_[p] || !changed[p]) return;
             const PlaneOutline plane = outlines.of(static_cast<PlaneId>(p), position_);
             bad[p] = bad_segments(plane);
         },
@@ -310,6 +338,7 @@ void Remesher::triangulate_planes()
     for (auto& p : position_)
         p = p.cast<float>().cast<double>(); // as they are written
     failed_.assign(mesh_.plane.size(), 0);
+    knots_.assign(mesh_.plane.size(), {});
     parallel_for(
         mesh_.plane.size(),
         [&](std::size_t p) {
@@ -319,12 +348,41 @@ void Remesher::triangulate_planes()
             }
             const PlaneOutline plane = outlines.of(static_cast<PlaneId>(p), position_);
             const auto faces = triangulate(plane.outline);
-            failed_[p] = faces && !faces->empty() ? 0 : 1;
-            if (failed_[p]) return;
+            const auto aside = faces ? segments_aside(plane.outline, *faces) : std::vector<std::uint32_t>();
+            failed_[p] = faces && !faces->empty() && aside.empty() ? 0 : 1;
+            if (failed_[p]) {
+                knots_[p] = knots(plane, aside);
+                return;
+            }
             for (const auto& [a, b, c] : *faces)
                 faces_[p].push_back({plane.vertex[a], plane.vertex[b], plane.vertex[c]});
         },
         kPlaneGrain);
+}
+
+// Where borders cross; or ends and middles of the segments that lie aside or contradict each other.
+std::vector<Eigen::Vector3d> Remesher::knots(const PlaneOutline& plane, const std::vector<std::uint32_t>& aside) const
+{
+    std::vector<Eigen::Vector3d> knots;
+    const auto on_segment = [&](std::uint32_t i, double t) {
+        const auto [a, b] = plane.outline.segment[i];
+        return Eigen::Vector3d((1.0 - t) * position_[plane.vertex[a]] + t * position_[plane.vertex[b]]);
+    };
+    for (const auto& [i, j] : crossings(plane.outline))
+        knots.push_back(on_segment(i, crossing_parameter(plane.outline, i, j)));
+    if (!knots.empty()) return knots;
+    for (const std::uint32_t i : aside.empty() ? contradictions(plane.outline) : aside)
+        for (const double t : {0.0, 0.5, 1.0})
+            knots.push_back(on_segment(i, t));
+    return knots;
+}
+
+std::vector<Zones::Failure> Remesher::failures() const
+{
+    std::vector<Zones::Failure> failures;
+    for (PlaneId p = 0; p < failed_.size(); ++p)
+        if (failed_[p]) failures.push_back({p, knots_[p]});
+    return failures;
 }
 
 PlaneMesh Remesher::result() const
@@ -347,19 +405,24 @@ PlaneMesh Remesher::result() const
 
 } // namespace
 
-PlaneMesh remesh(const PlaneMesh& mesh, const SimplifyParams& params)
+PlaneMesh remesh(PlaneMesh mesh, const SimplifyParams& params)
 {
-    const Curves traced = trace_curves(mesh);
-    Flags flat = flat_planes(mesh, traced, params);
-    while (true) { // at least one plane less is flat in every turn; without any this is the method qem
-        Remesher remesher(mesh, traced, flat, params);
-        if (remesher.run()) {
-            const auto rough = std::count(flat.begin(), flat.end(), 0);
-            log_info(fmt::format("{} planes are filled anew, {} keep their shape", mesh.plane.size() - rough, rough));
-            return remesher.result();
+    Zones zones(std::move(mesh));
+    while (true) { // in every turn flat zones lose faces, or are given up; without any this is the method qem
+        Curves traced = zones.curves();
+        const Flags flat = flat_zones(zones, traced, params);
+        const PlaneMesh rough = zones.rough_part(flat, traced);
+        Remesher remesher(rough, traced, flat, params);
+        if (!remesher.run()) {
+            zones.cut(remesher.failures(), params);
+            continue;
         }
-        for (PlaneId p = 0; p < flat.size(); ++p)
-            if (remesher.failed()[p]) flat[p] = 0;
+        const auto kept = std::count(flat.begin(), flat.end(), 0);
+        log_info(fmt::format("{} planes and pieces of planes are filled anew, {} and knots keep their shape",
+                             flat.size() - static_cast<std::size_t>(kept), kept));
+        PlaneMesh result = remesher.result();
+        zones.join(result);
+        return result;
     }
 }
 
