@@ -2,6 +2,7 @@
 
 #include "geometry/union_find.h"
 #include "mesh/adjacency.h"
+#include "mesh/cleanup.h"
 
 #include <algorithm>
 #include <cmath>
@@ -154,26 +155,6 @@ private:
     UnionFind corners_;
 };
 
-void drop_unused_vertices(TriangleMesh& mesh)
-{
-    std::vector<VertexId> name(mesh.position.size(), 0);
-    for (const auto& face : mesh.face)
-        for (const VertexId v : face)
-            name[v] = 1;
-    VertexId count = 0;
-    for (VertexId v = 0; v < name.size(); ++v) {
-        if (name[v] == 0) continue;
-        mesh.position[count] = mesh.position[v];
-        if (!mesh.color.empty()) mesh.color[count] = mesh.color[v];
-        name[v] = count++;
-    }
-    mesh.position.resize(count);
-    if (!mesh.color.empty()) mesh.color.resize(count);
-    for (auto& face : mesh.face)
-        for (auto& v : face)
-            v = name[v];
-}
-
 void drop_empty_planes(PlaneMesh& mesh)
 {
     std::vector<PlaneId> name(mesh.plane.size(), 0);
@@ -213,7 +194,7 @@ void finish(PlaneMesh& mesh, const SimplifyParams& params, PlaneParts parts)
 {
     FanSplitter(mesh).split();
     separate_parts(mesh, params.snap_distance, parts);
-    drop_unused_vertices(mesh.mesh);
+    remove_isolated_vertices(mesh.mesh);
     drop_empty_planes(mesh);
     mesh.vertex_class = classify_vertices(mesh.mesh, mesh.face_plane);
 }

@@ -38,7 +38,7 @@ struct Zones::Cut {
 
 Zones::Zones(PlaneMesh mesh)
     : mesh_(std::move(mesh)), opposite_(opposite_half_edges(mesh_.mesh)), plane_of_(mesh_.plane.size()),
-      failed_(mesh_.plane.size(), 0), rough_(mesh_.plane.size(), 0)
+      failed_(mesh_.plane.size(), 0), rough_(mesh_.plane.size(), 0), pending_(mesh_.plane.size(), 1)
 {
     std::iota(plane_of_.begin(), plane_of_.end(), 0u);
     separate(std::vector<std::uint8_t>(size(), 1));
@@ -80,30 +80,42 @@ void Zones::separate(const std::vector<std::uint8_t>& zones)
     }
 }
 
-PlaneMesh Zones::rough_part(const std::vector<std::uint8_t>& flat, Curves& curves) const
+std::size_t Zones::rough_count() const
 {
-    PlaneMesh part;
-    part.plane = mesh_.plane;
-    part.moments = mesh_.moments;
-    std::vector<VertexId> kept = curves.vertex;
-    for (FaceId f = 0; f < mesh_.face_plane.size(); ++f) {
-        if (flat[mesh_.face_plane[f]]) continue;
-        part.mesh.face.push_back(mesh_.mesh.face[f]);
-        part.face_plane.push_back(mesh_.face_plane[f]);
-        kept.insert(kept.end(), mesh_.mesh.face[f].begin(), mesh_.mesh.face[f].end());
+    return static_cast<std::size_t>(std::count(rough_.begin(), rough_.end(), std::uint8_t{1}));
+}
+
+ZonePart Zones::part() const
+{
+    ZonePart part;
+    std::vector<std::uint32_t> border;
+    for (const std::uint32_t h : border_) {
+        const std::uint32_t o = opposite_[h];
+        if (pending(mesh_.face_plane[h / 3]) || (o != kBorderEdge && pending(mesh_.face_plane[o / 3])))
+            border.push_back(h);
     }
-    std::sort(kept.begin(), kept.end());
-    kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+    part.curves = trace_curves(mesh_, opposite_, border);
+    part.mesh.plane = mesh_.plane;
+    part.mesh.moments = mesh_.moments;
+    part.dense = part.curves.vertex;
+    for (FaceId f = 0; f < mesh_.face_plane.size(); ++f) {
+        const PlaneId zone = mesh_.face_plane[f];
+        if (!pending(zone) || !rough(zone)) continue;
+        part.mesh.mesh.face.push_back(mesh_.mesh.face[f]);
+        part.mesh.face_plane.push_back(zone);
+        part.dense.insert(part.dense.end(), mesh_.mesh.face[f].begin(), mesh_.mesh.face[f].end());
+    }
+    std::sort(part.dense.begin(), part.dense.end());
+    part.dense.erase(std::unique(part.dense.begin(), part.dense.end()), part.dense.end());
     const auto rename = [&](VertexId& v) {
-        v = static_cast<VertexId>(std::lower_bound(kept.begin(), kept.end(), v) - kept.begin());
+        v = static_cast<VertexId>(std::lower_bound(part.dense.begin(), part.dense.end(), v) - part.dense.begin());
     };
-    std::for_each(curves.vertex.begin(), curves.vertex.end(), rename);
-    for (auto& face : part.mesh.face)
+    std::for_each(part.curves.vertex.begin(), part.curves.vertex.end(), rename);
+    for (auto& face : part.mesh.mesh.face)
         std::for_each(face.begin(), face.end(), rename);
-    for (const VertexId v : kept) {
-        part.mesh.position.push_back(mesh_.mesh.position[v]);
-        if (!mesh_.mesh.color.empty()) part.mesh.color.push_back(mesh_.mesh.color[v]);
-        part.vertex_class.push_back(mesh_.vertex_class[v]);
+    for (const VertexId v : part.dense) {
+        part.mesh.mesh.position.push_back(mesh_.mesh.position[v]);
+        part.mesh.vertex_class.push_back(mesh_.vertex_class[v]);
     }
     return part;
 }
@@ -131,9 +143,11 @@ std::vector<Zones::Cut> Zones::plan(const std::vector<Failure>& failures, const 
 
 void Zones::cut(const std::vector<Failure>& failures, const SimplifyParams& params)
 {
+    pending_.assign(size(), 0);
     std::vector<std::uint8_t> changed(size(), 0);
     for (const Cut& cut : plan(failures, params)) {
         const PlaneId zone = cut.failure->zone;
+        pending_[zone] = 1;
         if (cut.face.empty() || kMostOfZone * cut.face.size() > cut.size) {
             rough_[zone] = 1;
             continue;
@@ -147,6 +161,32 @@ void Zones::cut(const std::vector<Failure>& failures, const SimplifyParams& para
     changed.resize(size(), 0);
     separate(changed);
     find_borders();
+    spread_pending();
+}
+
+// Calls visit(a, b) for the zones on both sides of every border, often.
+template <class Visit>
+void Zones::for_each_neighbours(const Visit& visit) const
+{
+    for (const std::uint32_t h : border_) {
+        if (opposite_[h] == kBorderEdge) continue;
+        const PlaneId a = mesh_.face_plane[h / 3], b = mesh_.face_plane[opposite_[h] / 3];
+        visit(a, b);
+        visit(b, a);
+    }
+}
+
+// On to the zones beside rough ones: these do not keep to borders that are settled.
+void Zones::spread_pending()
+{
+    for (bool changed = true; changed;) {
+        changed = false;
+        for_each_neighbours([&](PlaneId a, PlaneId b) {
+            if (!pending(a) || !rough(a) || pending(b)) return;
+            pending_[b] = 1;
+            changed = true;
+        });
+    }
 }
 
 PlaneId Zones::add_zone(PlaneId from)
@@ -156,6 +196,7 @@ PlaneId Zones::add_zone(PlaneId from)
     plane_of_.push_back(plane_of_[from]);
     failed_.push_back(failed_[from]);
     rough_.push_back(0);
+    pending_.push_back(1);
     return static_cast<PlaneId>(size() - 1);
 }
 

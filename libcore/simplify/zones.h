@@ -10,6 +10,13 @@
 
 namespace quoin {
 
+// What is to be simplified next: all vertices of borders of pending zones, and the faces of those that are rough.
+struct ZonePart {
+    PlaneMesh mesh;              // its planes are zones
+    Curves curves;               // of pending zones
+    std::vector<VertexId> dense; // of every vertex that of the dense mesh, ascending
+};
+
 // The planes of a dense mesh come apart into connected zones: the largest piece of each plane, under the plane's own
 // id; smaller pieces, and the knots cut out of them, under ids behind those of all planes. Zones are what is
 // simplified, each by itself; in the end they are planes again.
@@ -18,15 +25,17 @@ public:
     explicit Zones(PlaneMesh mesh);
 
     std::size_t size() const { return mesh_.plane.size(); }
-    // Has the zone been given up, to keep its shape? Knots are from the start.
-    bool rough(PlaneId zone) const { return rough_[zone] != 0; }
+    const PlaneMesh& mesh() const { return mesh_; } // its planes are zones
     const Plane& plane(PlaneId zone) const { return mesh_.plane[zone]; }
     const Moments& moments(PlaneId zone) const { return mesh_.moments[zone]; }
-    Curves curves() const { return trace_curves(mesh_, opposite_, border_); }
 
-    // The faces of the zones that are not flat, one a zone, and the vertices of these and of all borders, named anew in
-    // their old order; `curves` get the new names.
-    PlaneMesh rough_part(const std::vector<std::uint8_t>& flat, Curves& curves) const;
+    // Is the zone to keep its shape, for its border cannot be laid flat? Knots are.
+    bool rough(PlaneId zone) const { return rough_[zone] != 0; }
+    void give_up(PlaneId zone) { rough_[zone] = 1; }
+    std::size_t rough_count() const;
+    // Is the zone to be simplified, or simplified again since a cut came near it?
+    bool pending(PlaneId zone) const { return pending_[zone] != 0; }
+    ZonePart part() const;
 
     // What was found in one attempt to lay a zone flat.
     struct Failure {
@@ -34,7 +43,8 @@ public:
         std::vector<Eigen::Vector3d> knot; // where its border crosses or contradicts itself [m]; none: in other ways
     };
     // Cuts the faces around the knots out of their zones, farther around with every failure of a zone. Zones without
-    // knots, or that little would be left of, or that have failed several times become rough.
+    // knots, or that little would be left of, or that have failed many times become rough. These zones and those beside
+    // the knots are pending now; so are those beside rough ones, which do not keep to borders that are settled.
     void cut(const std::vector<Failure>& failures, const SimplifyParams& params);
 
     // Puts the faces of a mesh with these zones into their planes again.
@@ -46,6 +56,9 @@ private:
     PlaneId add_zone(PlaneId from);
     void separate(const std::vector<std::uint8_t>& zones);
     void find_borders();
+    template <class Visit>
+    void for_each_neighbours(const Visit& visit) const;
+    void spread_pending();
 
     PlaneMesh mesh_;
     const std::vector<std::uint32_t> opposite_;
@@ -53,6 +66,7 @@ private:
     std::vector<PlaneId> plane_of_;     // one a zone
     std::vector<std::uint8_t> failed_;  // times, one a zone
     std::vector<std::uint8_t> rough_;   // one a zone
+    std::vector<std::uint8_t> pending_; // one a zone
 };
 
 } // namespace quoin
