@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace quoin {
 namespace {
@@ -164,27 +165,33 @@ void Zones::cut(const std::vector<Failure>& failures, const SimplifyParams& para
     spread_pending();
 }
 
-// Calls visit(a, b) for the zones on both sides of every border, often.
+// Calls visit(h, zone) for the zones on both sides of every border.
 template <class Visit>
-void Zones::for_each_neighbours(const Visit& visit) const
+void Zones::for_each_side(const Visit& visit) const
 {
     for (const std::uint32_t h : border_) {
-        if (opposite_[h] == kBorderEdge) continue;
-        const PlaneId a = mesh_.face_plane[h / 3], b = mesh_.face_plane[opposite_[h] / 3];
-        visit(a, b);
-        visit(b, a);
+        visit(h, mesh_.face_plane[h / 3]);
+        if (opposite_[h] != kBorderEdge) visit(h, mesh_.face_plane[opposite_[h] / 3]);
     }
 }
 
-// On to the zones beside rough ones: these do not keep to borders that are settled.
+// On to the zones that rough ones touch, if only in a point: these do not keep to borders that are settled.
 void Zones::spread_pending()
 {
+    std::vector<std::uint8_t> stirred(mesh_.mesh.position.size(), 0); // vertices of pending rough zones
+    const auto ends = [&](std::uint32_t h) {
+        return std::array{mesh_.mesh.face[h / 3][h % 3], mesh_.mesh.face[h / 3][(h % 3 + 1) % 3]};
+    };
     for (bool changed = true; changed;) {
         changed = false;
-        for_each_neighbours([&](PlaneId a, PlaneId b) {
-            if (!pending(a) || !rough(a) || pending(b)) return;
-            pending_[b] = 1;
-            changed = true;
+        for_each_side([&](std::uint32_t h, PlaneId zone) {
+            if (!pending(zone) || !rough(zone)) return;
+            for (const VertexId v : ends(h))
+                changed = std::exchange(stirred[v], std::uint8_t{1}) == 0 || changed;
+        });
+        for_each_side([&](std::uint32_t h, PlaneId zone) {
+            for (const VertexId v : ends(h))
+                if (stirred[v]) pending_[zone] = 1;
         });
     }
 }

@@ -44,7 +44,7 @@ public:
     };
     // Cuts the faces around the knots out of their zones, farther around with every failure of a zone. Zones without
     // knots, or that little would be left of, or that have failed many times become rough. These zones and those beside
-    // the knots are pending now; so are those beside rough ones, which do not keep to borders that are settled.
+    // the knots are pending now; so are those that touch rough ones, which do not keep to borders that are settled.
     void cut(const std::vector<Failure>& failures, const SimplifyParams& params);
 
     // Puts the faces of a mesh with these zones into their planes again.
@@ -57,7 +57,7 @@ private:
     void separate(const std::vector<std::uint8_t>& zones);
     void find_borders();
     template <class Visit>
-    void for_each_neighbours(const Visit& visit) const;
+    void for_each_side(const Visit& visit) const;
     void spread_pending();
 
     PlaneMesh mesh_;
