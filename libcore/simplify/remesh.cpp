@@ -40,9 +40,9 @@ PlaneMesh joined(const Zones& zones, const Settled& settled)
 
 } // namespace
 
-PlaneMesh remesh(PlaneMesh mesh, const SimplifyParams& params)
+PlaneMesh remesh(PlaneMesh mesh, std::vector<std::uint32_t> opposite, const SimplifyParams& params)
 {
-    Zones zones(std::move(mesh));
+    Zones zones(std::move(mesh), std::move(opposite));
     give_up_bent_zones(zones, params);
     const std::size_t vertices = zones.mesh().mesh.position.size();
     Settled settled{zones.mesh().mesh.position, std::vector<std::uint8_t>(vertices, 0), {}};

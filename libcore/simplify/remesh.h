@@ -9,6 +9,6 @@ namespace quoin {
 // Planes that do not explain their faces (max_inner_error), and knots of the others, where their borders cross when
 // seen along the normal, are simplified by quadrics. Requires a manifold mesh; returns one up to fans that touch,
 // without classes.
-PlaneMesh remesh(PlaneMesh mesh, const SimplifyParams& params);
+PlaneMesh remesh(PlaneMesh mesh, std::vector<std::uint32_t> opposite, const SimplifyParams& params);
 
 } // namespace quoin

@@ -105,21 +105,31 @@ void Remesher::simplify_rough()
     position_ = doubles(rough_.mesh.position);
 }
 
-// Filling a hole that lies within the error of its middle moves the border of the mesh by no more than the error.
-bool Remesher::is_small_hole(CurveId id) const
+// Does the curve lie around a hole of the mesh inside a plane? Seen from where the normal points it runs clockwise.
+bool Remesher::is_hole(CurveId id) const
 {
     const Curve& curve = curves_.curve[id];
     if (!curve.closed || curve.planes[1] != kNoPlane || fixed_[id]) return false;
-    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-    for (std::uint32_t s = curve.first; s < curve.first + curve.count; ++s)
-        middle += curves_.point[s] / curve.count;
+    const Eigen::Vector3d origin = curves_.point[curve.first];
     double turn = 0.0; // twice the signed area, walking as the half-edges of the plane do
     for (std::uint32_t s = curve.first; s < curve.first + curve.count; ++s) {
-        const Eigen::Vector3d a = curves_.point[s] - middle, b = curves_.point[curves_.after(curve, s)] - middle;
-        if (a.norm() > params_.max_open_error) return false;
+        const Eigen::Vector3d a = curves_.point[s] - origin, b = curves_.point[curves_.after(curve, s)] - origin;
         turn += curve.runs[0] * part_.mesh.plane[curve.planes[0]].normal.dot(a.cross(b));
     }
     return turn < 0.0;
+}
+
+// Filling a hole that lies within the error of its middle moves the border of the mesh by no more than the error.
+bool Remesher::is_small_hole(CurveId id) const
+{
+    if (!is_hole(id)) return false;
+    const Curve& curve = curves_.curve[id];
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (std::uint32_t s = curve.first; s < curve.first + curve.count; ++s)
+        middle += curves_.point[s] / curve.count;
+    for (std::uint32_t s = curve.first; s < curve.first + curve.count; ++s)
+        if ((curves_.point[s] - middle).norm() > params_.max_open_error) return false;
+    return true;
 }
 
 void Remesher::fill_holes()
@@ -258,7 +268,7 @@ void Remesher::tighten_segment(const PlaneOutline::Source& source)
 {
     const Curve& curve = curves_.curve[source.curve];
     if (fixed_[source.curve] || filled_[source.curve]) return;
-    if (curve.closed && curve.planes[1] == kNoPlane && step_[source.from] + 1u == kTolerances.size()) {
+    if (step_[source.from] + 1u == kTolerances.size() && is_hole(source.curve)) {
         filled_[source.curve] = dirty_[source.curve] = 1; // a hole that leaves no room beside it for a border
         return;
     }

@@ -34,6 +34,7 @@ private:
     void take_over(Curve& curve, const Settled& settled);
     void simplify_rough();
     void fill_holes();
+    bool is_hole(CurveId id) const;
     bool is_small_hole(CurveId id) const;
     void bound_free_curves();
     void bound_edges();

@@ -60,14 +60,20 @@ double distance(const Eigen::Vector3d& p, const Pieces& pieces)
     return std::sqrt(least);
 }
 
-// Corners and middles of `from` are that far from `to` at most.
-double farthest(const Pieces& from, const Pieces& to)
+bool is_corner(const Eigen::Vector3d& p, const Pieces& pieces)
+{
+    return std::any_of(pieces.begin(), pieces.end(),
+                       [&](const Piece& piece) { return std::ranges::find(piece.corner, p) != piece.corner.end(); });
+}
+
+// Corners and middles of `from` are that far from `to` at most; the first that is farther than `enough` ends it.
+double farthest(const Pieces& from, const Pieces& to, double enough)
 {
     double most = 0.0;
     for (const Piece& piece : from) {
-        most = std::max(most, distance(middle(piece.corner), to));
         for (const auto& corner : piece.corner)
-            most = std::max(most, distance(corner, to));
+            if (most <= enough && !is_corner(corner, to)) most = std::max(most, distance(corner, to));
+        if (most <= enough) most = std::max(most, distance(middle(piece.corner), to));
     }
     return most;
 }
@@ -335,7 +341,9 @@ void Unfolder::consider(Change change, const std::vector<FaceId>& inner, const P
     change.defects = defects(with_outer(after), after.size(), planes_.plane) -
                      defects(with_outer(before), before.size(), planes_.plane);
     if (change.defects >= 0 || after.empty()) return;
-    change.error = std::max(farthest(before, with_outer(after)), farthest(after, before));
+    change.error = farthest(before, with_outer(after), params_.max_fold_error);
+    if (change.error > params_.max_fold_error) return;
+    change.error = std::max(change.error, farthest(after, before, params_.max_fold_error));
     if (change.error <= params_.max_fold_error && (!best || change.better_than(*best))) best = change;
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <utility>
 
@@ -22,9 +23,9 @@ constexpr std::uint32_t kNone = 0xffffffffu;
 // The faces that one failure would take out of its zone.
 struct Zones::Cut {
     const Failure* failure = nullptr;
-    double reach = 0.0;   // [m]; 0: it has failed too often
-    std::size_t size = 0; // faces of the zone
-    std::vector<FaceId> face;
+    double reach = 0.0;       // [m]; 0: it has failed too often
+    std::vector<FaceId> all;  // faces of the zone
+    std::vector<FaceId> face; // those to take out
 
     bool takes(const TriangleMesh& mesh, const Plane& plane, FaceId f) const
     {
@@ -37,48 +38,92 @@ struct Zones::Cut {
     }
 };
 
-Zones::Zones(PlaneMesh mesh)
-    : mesh_(std::move(mesh)), opposite_(opposite_half_edges(mesh_.mesh)), plane_of_(mesh_.plane.size()),
-      failed_(mesh_.plane.size(), 0), rough_(mesh_.plane.size(), 0), pending_(mesh_.plane.size(), 1)
+Zones::Zones(PlaneMesh mesh, std::vector<std::uint32_t> opposite)
+    : mesh_(std::move(mesh)), opposite_(std::move(opposite)), plane_of_(mesh_.plane.size()),
+      failed_(mesh_.plane.size(), 0), rough_(mesh_.plane.size(), 0), pending_(mesh_.plane.size(), 1),
+      index_(mesh_.face_plane.size())
 {
     std::iota(plane_of_.begin(), plane_of_.end(), 0u);
-    separate(std::vector<std::uint8_t>(size(), 1));
-    find_borders();
-}
-
-void Zones::find_borders()
-{
+    std::vector<FaceId> all(index_.size()), relabelled;
+    std::iota(all.begin(), all.end(), 0u);
+    separate(all, relabelled);
     border_ = border_half_edges(mesh_, opposite_);
     mesh_.vertex_class = classify_vertices(mesh_.mesh, mesh_.face_plane, opposite_);
 }
 
-// Of the given zones, one flag a zone, the pieces beside the largest become zones of their own.
-void Zones::separate(const std::vector<std::uint8_t>& zones)
+// Of zones, given by all of their faces, ascending, the pieces beside the largest become zones of their own.
+void Zones::separate(const std::vector<FaceId>& faces, std::vector<FaceId>& relabelled)
 {
-    const std::vector<PlaneId> zone_of = mesh_.face_plane;
-    UnionFind pieces(zone_of.size());
-    for (std::uint32_t h = 0; h < opposite_.size(); ++h) {
-        const std::uint32_t o = opposite_[h];
-        if (o == kNonManifoldEdge || o == kBorderEdge || o < h) continue;
-        if (zones[zone_of[h / 3]] == 0 || zone_of[h / 3] != zone_of[o / 3]) continue;
-        const std::uint32_t a = pieces.find(h / 3), b = pieces.find(o / 3);
-        if (a != b) pieces.join(std::min(a, b), std::max(a, b));
+    for (std::uint32_t i = 0; i < faces.size(); ++i)
+        index_[faces[i]] = i;
+    UnionFind pieces(faces.size());
+    for (std::uint32_t i = 0; i < faces.size(); ++i)
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            const std::uint32_t o = opposite_[3 * faces[i] + k];
+            if (!is_half_edge(o) || o / 3 > faces[i] || mesh_.face_plane[o / 3] != mesh_.face_plane[faces[i]]) continue;
+            const std::uint32_t a = pieces.find(i), b = pieces.find(index_[o / 3]);
+            if (a != b) pieces.join(std::min(a, b), std::max(a, b));
+        }
+    std::vector<std::uint32_t> size(faces.size(), 0); // of a piece, at its root
+    for (std::uint32_t i = 0; i < faces.size(); ++i)
+        ++size[pieces.find(i)];
+    std::vector<std::uint32_t> largest(this->size(), kNone); // root
+    for (std::uint32_t i = 0; i < faces.size(); ++i) {
+        std::uint32_t& root = largest[mesh_.face_plane[faces[i]]];
+        if (size[i] > 0 && (root == kNone || size[i] > size[root])) root = i;
     }
-    std::vector<std::uint32_t> size(zone_of.size(), 0); // of a piece, at its root
-    for (FaceId f = 0; f < zone_of.size(); ++f)
-        if (zones[zone_of[f]] != 0) ++size[pieces.find(f)];
-    std::vector<FaceId> largest(zones.size(), kNone); // root
-    for (FaceId f = 0; f < zone_of.size(); ++f) {
-        if (size[f] == 0) continue;
-        FaceId& root = largest[zone_of[f]];
-        if (root == kNone || size[f] > size[root]) root = f;
+    std::vector<PlaneId> zone(faces.size(), kNoPlane); // of a piece that is taken out, at its root
+    for (std::uint32_t i = 0; i < faces.size(); ++i) {
+        PlaneId& here = mesh_.face_plane[faces[i]];
+        const std::uint32_t root = pieces.find(i);
+        if (i == root && root != largest[here]) zone[i] = add_zone(here);
+        if (zone[root] == kNoPlane) continue;
+        here = zone[root];
+        relabelled.push_back(faces[i]);
     }
-    for (FaceId f = 0; f < zone_of.size(); ++f) {
-        if (zones[zone_of[f]] == 0) continue;
-        const FaceId root = pieces.find(f);
-        if (root == largest[zone_of[f]]) continue;
-        mesh_.face_plane[f] = f == root ? add_zone(zone_of[f]) : mesh_.face_plane[root];
-    }
+}
+
+// Faces that were relabelled were inside their zones or on borders that stay borders.
+void Zones::add_borders(const std::vector<FaceId>& relabelled)
+{
+    std::vector<std::uint32_t> added;
+    for (const FaceId f : relabelled)
+        for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h) {
+            const std::uint32_t o = opposite_[h];
+            if (is_half_edge(o) && mesh_.face_plane[o / 3] != mesh_.face_plane[f]) added.push_back(std::min(h, o));
+        }
+    std::sort(added.begin(), added.end());
+    std::vector<std::uint32_t> all;
+    all.reserve(border_.size() + added.size());
+    std::set_union(border_.begin(), border_.end(), added.begin(), std::unique(added.begin(), added.end()),
+                   std::back_inserter(all));
+    border_ = std::move(all);
+    classify_ends(added);
+}
+
+// Finds the classes of the vertices of these half-edges anew.
+void Zones::classify_ends(const std::vector<std::uint32_t>& border)
+{
+    std::vector<VertexId> vertex;
+    for (const std::uint32_t h : border)
+        for (const VertexId v : ends(h))
+            vertex.push_back(v);
+    std::sort(vertex.begin(), vertex.end());
+    vertex.erase(std::unique(vertex.begin(), vertex.end()), vertex.end());
+    std::vector<std::uint8_t> touched(mesh_.mesh.position.size(), 0);
+    for (const VertexId v : vertex)
+        touched[v] = 1;
+    std::vector<BorderUse> use(vertex.size());
+    for (const std::uint32_t h : border_)
+        for (const VertexId v : ends(h)) {
+            if (touched[v] == 0) continue;
+            const auto at = std::lower_bound(vertex.begin(), vertex.end(), v) - vertex.begin();
+            const std::uint32_t o = opposite_[h];
+            use[static_cast<std::size_t>(at)].add(mesh_.face_plane[h / 3],
+                                                  o == kBorderEdge ? kNoPlane : mesh_.face_plane[o / 3]);
+        }
+    for (std::size_t i = 0; i < vertex.size(); ++i)
+        mesh_.vertex_class[vertex[i]] = use[i].vertex_class();
 }
 
 std::size_t Zones::rough_count() const
@@ -130,13 +175,13 @@ std::vector<Zones::Cut> Zones::plan(const std::vector<Failure>& failures, const 
         const std::uint8_t times = failed_[failure.zone]++;
         const double reach =
             times < kMostCuts ? std::ldexp(kFirstReach * params.max_error, std::min<int>(times, kMostDoublings)) : 0.0;
-        cuts.push_back({&failure, reach, 0, {}});
+        cuts.push_back({&failure, reach, {}, {}});
     }
     for (FaceId f = 0; f < mesh_.face_plane.size(); ++f) {
         const PlaneId zone = mesh_.face_plane[f];
         if (cut_of[zone] == kNone) continue;
         Cut& cut = cuts[cut_of[zone]];
-        ++cut.size;
+        cut.all.push_back(f);
         if (cut.reach > 0.0 && cut.takes(mesh_.mesh, mesh_.plane[zone], f)) cut.face.push_back(f);
     }
     return cuts;
@@ -145,23 +190,24 @@ std::vector<Zones::Cut> Zones::plan(const std::vector<Failure>& failures, const 
 void Zones::cut(const std::vector<Failure>& failures, const SimplifyParams& params)
 {
     pending_.assign(size(), 0);
-    std::vector<std::uint8_t> changed(size(), 0);
-    for (const Cut& cut : plan(failures, params)) {
+    std::vector<FaceId> changed, relabelled;
+    for (Cut& cut : plan(failures, params)) {
         const PlaneId zone = cut.failure->zone;
         pending_[zone] = 1;
-        if (cut.face.empty() || kMostOfZone * cut.face.size() > cut.size) {
+        if (cut.face.empty() || kMostOfZone * cut.face.size() > cut.all.size()) {
             rough_[zone] = 1;
             continue;
         }
-        changed[zone] = 1;
         const PlaneId knots = add_zone(zone);
         rough_[knots] = 1;
         for (const FaceId f : cut.face)
             mesh_.face_plane[f] = knots;
+        std::ranges::set_difference(cut.all, cut.face, std::back_inserter(changed));
+        relabelled.insert(relabelled.end(), cut.face.begin(), cut.face.end());
     }
-    changed.resize(size(), 0);
-    separate(changed);
-    find_borders();
+    std::sort(changed.begin(), changed.end());
+    separate(changed, relabelled);
+    add_borders(relabelled);
     spread_pending();
 }
 
@@ -179,9 +225,6 @@ void Zones::for_each_side(const Visit& visit) const
 void Zones::spread_pending()
 {
     std::vector<std::uint8_t> stirred(mesh_.mesh.position.size(), 0); // vertices of pending rough zones
-    const auto ends = [&](std::uint32_t h) {
-        return std::array{mesh_.mesh.face[h / 3][h % 3], mesh_.mesh.face[h / 3][(h % 3 + 1) % 3]};
-    };
     for (bool changed = true; changed;) {
         changed = false;
         for_each_side([&](std::uint32_t h, PlaneId zone) {

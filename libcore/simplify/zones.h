@@ -22,7 +22,8 @@ struct ZonePart {
 // simplified, each by itself; in the end they are planes again.
 class Zones {
 public:
-    explicit Zones(PlaneMesh mesh);
+    // opposite: of the half-edges.
+    Zones(PlaneMesh mesh, std::vector<std::uint32_t> opposite);
 
     std::size_t size() const { return mesh_.plane.size(); }
     const PlaneMesh& mesh() const { return mesh_; } // its planes are zones
@@ -54,8 +55,14 @@ private:
     struct Cut;
     std::vector<Cut> plan(const std::vector<Failure>& failures, const SimplifyParams& params);
     PlaneId add_zone(PlaneId from);
-    void separate(const std::vector<std::uint8_t>& zones);
-    void find_borders();
+    void separate(const std::vector<FaceId>& faces, std::vector<FaceId>& relabelled);
+    void add_borders(const std::vector<FaceId>& relabelled);
+    void classify_ends(const std::vector<std::uint32_t>& border);
+    std::array<VertexId, 2> ends(std::uint32_t half_edge) const
+    {
+        const Face& face = mesh_.mesh.face[half_edge / 3];
+        return {face[half_edge % 3], face[(half_edge % 3 + 1) % 3]};
+    }
     template <class Visit>
     void for_each_side(const Visit& visit) const;
     void spread_pending();
@@ -67,6 +74,7 @@ private:
     std::vector<std::uint8_t> failed_;  // times, one a zone
     std::vector<std::uint8_t> rough_;   // one a zone
     std::vector<std::uint8_t> pending_; // one a zone
+    std::vector<std::uint32_t> index_;  // F; scratch
 };
 
 } // namespace quoin
