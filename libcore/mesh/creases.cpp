@@ -8,6 +8,23 @@
 
 namespace quoin {
 
+namespace {
+
+// Of two planes, by the directions between their normals and across.
+PlaneMeeting meet_two(const Eigen::Vector3d& point, const Plane& a, const Plane& b, double least_value)
+{
+    const double cosine = a.normal.dot(b.normal);
+    const Eigen::Vector3d other = cosine < 0.0 ? Eigen::Vector3d(-b.normal) : b.normal;
+    const Eigen::Vector3d pull = -a.signed_distance(point) * a.normal - b.signed_distance(point) * b.normal;
+    const double between = 1.0 + std::abs(cosine), across = 1.0 - std::abs(cosine); // eigenvalues of sum n n^T
+    const Eigen::Vector3d u = a.normal + other, w = a.normal - other;               // of squared length 2 times these
+    PlaneMeeting meeting{point + u.dot(pull) / (2.0 * between * between) * u, 1};
+    if (across < least_value * between) return meeting;
+    return {meeting.point + w.dot(pull) / (2.0 * across * across) * w, 2};
+}
+
+} // namespace
+
 VertexPlanes vertex_planes(const TriangleMesh& mesh, const std::vector<PlaneId>& face_plane)
 {
     const auto around = vertex_faces(mesh);
@@ -28,6 +45,11 @@ VertexPlanes vertex_planes(const TriangleMesh& mesh, const std::vector<PlaneId>&
 
 PlaneMeeting meet_planes(const Eigen::Vector3d& point, std::span<const Plane> planes, double min_angle)
 {
+    if (planes.empty()) return {point, 0};
+    if (planes.size() == 1) return {planes[0].project(point), 1};
+    const double tangent = std::tan(0.5 * min_angle);
+    const double least_value = std::max(tangent * tangent, 1e-9); // of the largest eigenvalue
+    if (planes.size() == 2) return meet_two(point, planes[0], planes[1], least_value);
     Eigen::Matrix3d normals = Eigen::Matrix3d::Zero();
     Eigen::Vector3d pull = Eigen::Vector3d::Zero();
     for (const auto& plane : planes) {
@@ -35,13 +57,11 @@ PlaneMeeting meet_planes(const Eigen::Vector3d& point, std::span<const Plane> pl
         pull -= plane.signed_distance(point) * plane.normal;
     }
     PlaneMeeting meeting{point, 0};
-    if (planes.empty()) return meeting;
     Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
     eigen.compute(normals);
-    const double tangent = std::tan(0.5 * min_angle);
     for (int k = 2; k >= 0; --k) {
         const double value = eigen.eigenvalues()[k];
-        if (value < std::max(tangent * tangent, 1e-9) * eigen.eigenvalues()[2]) break;
+        if (value < least_value * eigen.eigenvalues()[2]) break;
         meeting.point += eigen.eigenvectors().col(k).dot(pull) / value * eigen.eigenvectors().col(k);
         ++meeting.rank;
     }

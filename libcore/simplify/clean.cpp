@@ -2,6 +2,7 @@
 
 #include "geometry/union_find.h"
 #include "mesh/adjacency.h"
+#include "mesh/cleanup.h"
 
 #include <algorithm>
 #include <cmath>
@@ -84,10 +85,15 @@ struct CrowdedUse {
 
 class FanSplitter {
 public:
-    explicit FanSplitter(PlaneMesh& mesh) : mesh_(mesh), corners_(3 * mesh.mesh.face.size()) {}
-
-    void split()
+    explicit FanSplitter(PlaneMesh& mesh)
+        : mesh_(mesh), opposite_(opposite_half_edges(mesh.mesh)), corners_(3 * mesh.mesh.face.size())
     {
+    }
+
+    // Returns the opposites of the half-edges afterwards.
+    std::vector<std::uint32_t> split()
+    {
+        const std::size_t vertices = mesh_.mesh.position.size();
         join_fans();
         std::vector<std::uint8_t> taken(mesh_.mesh.position.size(), 0);
         std::vector<VertexId> vertex(corners_count(), 0); // of the fan with that root
@@ -98,6 +104,7 @@ public:
             if (root == c && !taken[v]) taken[v] = 1;
             v = vertex[root];
         }
+        return mesh_.mesh.position.size() == vertices ? std::move(opposite_) : opposite_half_edges(mesh_.mesh);
     }
 
 private:
@@ -105,13 +112,12 @@ private:
 
     void join_fans()
     {
-        const auto opposite = opposite_half_edges(mesh_.mesh);
         std::vector<CrowdedUse> crowded;
-        for (std::uint32_t h = 0; h < opposite.size(); ++h) {
-            if (opposite[h] == kNonManifoldEdge)
+        for (std::uint32_t h = 0; h < opposite_.size(); ++h) {
+            if (opposite_[h] == kNonManifoldEdge)
                 crowded.push_back(use_of(h));
-            else if (opposite[h] != kBorderEdge && h < opposite[h])
-                join(h, opposite[h]);
+            else if (opposite_[h] != kBorderEdge && h < opposite_[h])
+                join(h, opposite_[h]);
         }
         std::sort(crowded.begin(), crowded.end(), [](const CrowdedUse& a, const CrowdedUse& b) {
             return std::tie(a.low, a.high, a.plane, a.half_edge) < std::tie(b.low, b.high, b.plane, b.half_edge);
@@ -151,28 +157,9 @@ private:
     }
 
     PlaneMesh& mesh_;
+    std::vector<std::uint32_t> opposite_;
     UnionFind corners_;
 };
-
-void drop_unused_vertices(TriangleMesh& mesh)
-{
-    std::vector<VertexId> name(mesh.position.size(), 0);
-    for (const auto& face : mesh.face)
-        for (const VertexId v : face)
-            name[v] = 1;
-    VertexId count = 0;
-    for (VertexId v = 0; v < name.size(); ++v) {
-        if (name[v] == 0) continue;
-        mesh.position[count] = mesh.position[v];
-        if (!mesh.color.empty()) mesh.color[count] = mesh.color[v];
-        name[v] = count++;
-    }
-    mesh.position.resize(count);
-    if (!mesh.color.empty()) mesh.color.resize(count);
-    for (auto& face : mesh.face)
-        for (auto& v : face)
-            v = name[v];
-}
 
 void drop_empty_planes(PlaneMesh& mesh)
 {
@@ -194,7 +181,7 @@ void drop_empty_planes(PlaneMesh& mesh)
 
 } // namespace
 
-void clean_input(PlaneMesh& mesh, const SimplifyParams& params)
+std::vector<std::uint32_t> clean_input(PlaneMesh& mesh, const SimplifyParams& params)
 {
     if (params.weld_distance > 0.0) {
         const auto name = weld_map(mesh.mesh, params.weld_distance);
@@ -206,14 +193,14 @@ void clean_input(PlaneMesh& mesh, const SimplifyParams& params)
     const auto repeated = repeated_faces(mesh.mesh);
     keep_faces(mesh, [&](FaceId f) { return repeated[f] == 0; });
     mesh.mesh.normal.clear();
-    FanSplitter(mesh).split();
+    return FanSplitter(mesh).split();
 }
 
 void finish(PlaneMesh& mesh, const SimplifyParams& params, PlaneParts parts)
 {
     FanSplitter(mesh).split();
     separate_parts(mesh, params.snap_distance, parts);
-    drop_unused_vertices(mesh.mesh);
+    remove_isolated_vertices(mesh.mesh);
     drop_empty_planes(mesh);
     mesh.vertex_class = classify_vertices(mesh.mesh, mesh.face_plane);
 }

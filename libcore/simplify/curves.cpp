@@ -14,66 +14,68 @@ struct BorderEdge {
     VertexId other(VertexId v) const { return end[0] == v ? end[1] : end[0]; }
 };
 
-std::vector<BorderEdge> border_edges(const PlaneMesh& mesh)
+BorderEdge border_edge(const PlaneMesh& mesh, const std::vector<std::uint32_t>& opposite, std::uint32_t h)
 {
-    const auto opposite = opposite_half_edges(mesh.mesh);
-    std::vector<BorderEdge> edges;
-    for (std::uint32_t h = 0; h < opposite.size(); ++h) {
-        const std::uint32_t o = opposite[h];
-        if (o == kNonManifoldEdge || (o != kBorderEdge && o < h)) continue;
-        const auto& face = mesh.mesh.face[h / 3];
-        const PlaneId here = mesh.face_plane[h / 3], there = o == kBorderEdge ? kNoPlane : mesh.face_plane[o / 3];
-        if (here == there) continue;
-        const VertexId from = face[h % 3], to = face[(h % 3 + 1) % 3];
-        const int across = o == kBorderEdge ? 0 : mesh.mesh.face[o / 3][o % 3] == from ? 1 : -1;
-        if (here < there)
-            edges.push_back({{from, to}, {here, there}, {1, across}});
-        else
-            edges.push_back({{from, to}, {there, here}, {across, 1}});
-    }
-    return edges;
+    const std::uint32_t o = opposite[h];
+    const auto& face = mesh.mesh.face[h / 3];
+    const PlaneId here = mesh.face_plane[h / 3], there = o == kBorderEdge ? kNoPlane : mesh.face_plane[o / 3];
+    const VertexId from = face[h % 3], to = face[(h % 3 + 1) % 3];
+    const int across = o == kBorderEdge ? 0 : mesh.mesh.face[o / 3][o % 3] == from ? 1 : -1;
+    if (here < there) return {{from, to}, {here, there}, {1, across}};
+    return {{from, to}, {there, here}, {across, 1}};
 }
 
-// Border edges at every vertex.
+// Border edges at every vertex that has some.
 struct EdgesAt {
-    std::vector<std::uint32_t> first, edge;
+    std::vector<VertexId> vertex;           // ascending
+    std::vector<std::uint32_t> first, edge; // by vertex, ascending
 
-    EdgesAt(const std::vector<BorderEdge>& edges, std::size_t vertices) : first(vertices + 1, 0), edge(2 * edges.size())
+    explicit EdgesAt(const std::vector<BorderEdge>& edges)
     {
-        for (const auto& e : edges)
-            for (const VertexId v : e.end)
-                ++first[v + 1];
-        for (std::size_t v = 0; v < vertices; ++v)
-            first[v + 1] += first[v];
-        std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
+        std::vector<std::array<std::uint32_t, 2>> ends; // vertex, edge
+        ends.reserve(2 * edges.size());
         for (std::uint32_t e = 0; e < edges.size(); ++e)
             for (const VertexId v : edges[e].end)
-                edge[next[v]++] = e;
+                ends.push_back({v, e});
+        std::sort(ends.begin(), ends.end());
+        for (const auto& [v, e] : ends) {
+            if (vertex.empty() || vertex.back() != v) {
+                vertex.push_back(v);
+                first.push_back(static_cast<std::uint32_t>(edge.size()));
+            }
+            edge.push_back(e);
+        }
+        first.push_back(static_cast<std::uint32_t>(edge.size()));
     }
+
+    std::span<const std::uint32_t> of(VertexId v) const
+    {
+        const auto i = static_cast<std::size_t>(std::lower_bound(vertex.begin(), vertex.end(), v) - vertex.begin());
+        return at(i);
+    }
+    std::span<const std::uint32_t> at(std::size_t i) const { return {edge.data() + first[i], first[i + 1] - first[i]}; }
 };
 
 class Tracer {
 public:
-    explicit Tracer(const PlaneMesh& mesh)
-        : mesh_(mesh), edges_(border_edges(mesh)), at_(edges_, mesh.mesh.position.size()), used_(edges_.size(), 0)
+    Tracer(const PlaneMesh& mesh, std::vector<BorderEdge> edges)
+        : mesh_(mesh), edges_(std::move(edges)), at_(edges_), used_(edges_.size(), 0)
     {
     }
 
     Curves trace()
     {
-        const auto vertices = static_cast<VertexId>(mesh_.mesh.position.size());
-        for (VertexId v = 0; v < vertices; ++v)
-            if (mesh_.vertex_class[v] == VertexClass::Corner) trace_from(v);
-        for (VertexId v = 0; v < vertices; ++v)
-            if (mesh_.vertex_class[v] == VertexClass::Border) trace_from(v);
+        for (const VertexClass kind : {VertexClass::Corner, VertexClass::Border})
+            for (std::size_t i = 0; i < at_.vertex.size(); ++i)
+                if (mesh_.vertex_class[at_.vertex[i]] == kind) trace_from(i);
         return std::move(curves_);
     }
 
 private:
-    void trace_from(VertexId start)
+    void trace_from(std::size_t i)
     {
-        for (std::uint32_t i = at_.first[start]; i < at_.first[start + 1]; ++i)
-            if (!used_[at_.edge[i]]) walk(start, at_.edge[i]);
+        for (const std::uint32_t edge : at_.at(i))
+            if (!used_[edge]) walk(at_.vertex[i], edge);
     }
 
     void walk(VertexId start, std::uint32_t edge)
@@ -92,8 +94,8 @@ private:
             }
             add(v);
             if (mesh_.vertex_class[v] != VertexClass::Border) break;
-            const std::uint32_t one = at_.edge[at_.first[v]], two = at_.edge[at_.first[v] + 1];
-            edge = one == edge ? two : one;
+            const auto edges = at_.of(v);
+            edge = edges[0] == edge ? edges[1] : edges[0];
         }
         curve.count = static_cast<std::uint32_t>(curves_.size()) - curve.first;
         close(curve);
@@ -145,6 +147,31 @@ void Curves::restore(Curve& c)
     c.head = c.first;
 }
 
-Curves trace_curves(const PlaneMesh& mesh) { return Tracer(mesh).trace(); }
+std::vector<std::uint32_t> border_half_edges(const PlaneMesh& mesh, const std::vector<std::uint32_t>& opposite)
+{
+    std::vector<std::uint32_t> border;
+    for (std::uint32_t h = 0; h < opposite.size(); ++h) {
+        const std::uint32_t o = opposite[h];
+        if (o == kBorderEdge || (o != kNonManifoldEdge && h < o && mesh.face_plane[h / 3] != mesh.face_plane[o / 3]))
+            border.push_back(h);
+    }
+    return border;
+}
+
+Curves trace_curves(const PlaneMesh& mesh, const std::vector<std::uint32_t>& opposite,
+                    std::span<const std::uint32_t> border)
+{
+    std::vector<BorderEdge> edges;
+    edges.reserve(border.size());
+    for (const std::uint32_t h : border)
+        edges.push_back(border_edge(mesh, opposite, h));
+    return Tracer(mesh, std::move(edges)).trace();
+}
+
+Curves trace_curves(const PlaneMesh& mesh)
+{
+    const auto opposite = opposite_half_edges(mesh.mesh);
+    return trace_curves(mesh, opposite, border_half_edges(mesh, opposite));
+}
 
 } // namespace quoin

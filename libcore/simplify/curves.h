@@ -4,6 +4,7 @@
 #include "mesh/plane_mesh.h"
 
 #include <array>
+#include <span>
 
 namespace quoin {
 
@@ -41,8 +42,15 @@ struct Curves {
     void restore(Curve& c);
 };
 
+// One half-edge of every edge between two planes or on the mesh border, ascending. Edges of three or more faces are
+// none.
+std::vector<std::uint32_t> border_half_edges(const PlaneMesh& mesh, const std::vector<std::uint32_t>& opposite);
+
 // Curves in the order of their corners and the smallest vertex of closed ones. Edges of three or more faces are in no
 // curve.
 Curves trace_curves(const PlaneMesh& mesh);
+// The same where the opposites of half-edges and the borders are known.
+Curves trace_curves(const PlaneMesh& mesh, const std::vector<std::uint32_t>& opposite,
+                    std::span<const std::uint32_t> border);
 
 } // namespace quoin

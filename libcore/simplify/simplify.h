@@ -98,6 +98,6 @@ struct SimplifyParams {
 // point, are split. It has no duplicate face. Faces that are folded onto each other, look away from their plane or have
 // no area are taken out in the end where max_fold_error allows it; the rims of thin sheets stay folded. Faces with
 // vertices that are not finite are dropped. Throws ImpossibleError if no face is left.
-PlaneMesh simplify(const PlaneMesh& mesh, const SimplifyParams& params);
+PlaneMesh simplify(PlaneMesh mesh, const SimplifyParams& params);
 
 } // namespace quoin

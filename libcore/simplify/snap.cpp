@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace quoin {
 namespace {
@@ -70,22 +71,25 @@ std::vector<PlaneUse> plane_uses(const Curves& curves, const PlaneMesh& part)
 
 } // namespace
 
-void trim_ears(PlaneMesh& mesh, const SimplifyParams& params)
+void trim_ears(PlaneMesh& mesh, const std::vector<std::uint32_t>& opposite, const SimplifyParams& params)
 {
-    const auto opposite = opposite_half_edges(mesh.mesh);
     std::vector<std::size_t> size(mesh.plane.size(), 0);
     for (const PlaneId p : mesh.face_plane)
         ++size[p];
+    std::vector<std::uint8_t> stirred(mesh.mesh.face.size(), 1); // has a neighbour gone over since it was looked at?
     // Every ear that goes over shortens the borders by an edge, so this ends.
     for (bool changed = true; changed;) {
         changed = false;
         for (FaceId f = 0; f < mesh.mesh.face.size(); ++f) {
+            if (std::exchange(stirred[f], std::uint8_t{0}) == 0) continue;
             const PlaneId plane = plane_behind_ear(mesh, opposite, f);
             if (plane == kNoPlane || size[mesh.face_plane[f]] < 2) continue;
             if (!explained_by(mesh, f, mesh.plane[plane], params.snap_distance)) continue;
             --size[mesh.face_plane[f]];
             ++size[plane];
             mesh.face_plane[f] = plane;
+            for (std::uint32_t k = 0; k < 3; ++k)
+                if (const std::uint32_t o = opposite[3 * f + k]; is_half_edge(o)) stirred[o / 3] = 1;
             changed = true;
         }
     }

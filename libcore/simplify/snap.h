@@ -8,7 +8,7 @@ namespace quoin {
 // Straightens what labels made ragged: a face with two of its edges on the border to one other plane, within
 // params.snap_distance of it and facing as it does, goes over to that plane; no plane loses its last face. Classes are
 // as they were.
-void trim_ears(PlaneMesh& mesh, const SimplifyParams& params);
+void trim_ears(PlaneMesh& mesh, const std::vector<std::uint32_t>& opposite, const SimplifyParams& params);
 
 // Moves every vertex by at most params.snap_distance onto its plane, the line or the corner where its planes meet,
 // unless that would turn a face over. Vertices further away stay.

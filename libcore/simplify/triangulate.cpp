@@ -174,6 +174,17 @@ std::vector<std::array<std::uint32_t, 2>> crossings(const Outline& outline)
     return found;
 }
 
+double crossing_parameter(const Outline& outline, std::uint32_t i, std::uint32_t j)
+{
+    const auto [a, b] = outline.segment[i];
+    const auto [c, d] = outline.segment[j];
+    const Eigen::Vector2d along = outline.point[b] - outline.point[a], other = outline.point[d] - outline.point[c];
+    const auto cross = [](const Eigen::Vector2d& u, const Eigen::Vector2d& v) { return u.x() * v.y() - u.y() * v.x(); };
+    const double turn = cross(along, other);
+    if (turn == 0.0) return 0.5;
+    return std::clamp(cross(outline.point[c] - outline.point[a], other) / turn, 0.0, 1.0);
+}
+
 std::vector<std::uint32_t> contradictions(const Outline& outline)
 {
     Triangulation triangulation;

@@ -18,6 +18,10 @@ struct Outline {
 // Pairs of segments that touch outside a common end; of two with a common end, those that lie on each other. Exact.
 std::vector<std::array<std::uint32_t, 2>> crossings(const Outline& outline);
 
+// Where segment i meets segment j, as a fraction of the way from its first end to its second; the middle if they are
+// parallel.
+double crossing_parameter(const Outline& outline, std::uint32_t i, std::uint32_t j);
+
 // Where segments do not cross but contradict each other about which side is inside: those that fewer others around the
 // same region agree with. A hole that the border around it was moved across is one.
 std::vector<std::uint32_t> contradictions(const Outline& outline);

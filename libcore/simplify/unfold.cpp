@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 #include <tuple>
+#include <utility>
 
 namespace quoin {
 namespace {
@@ -59,14 +60,20 @@ double distance(const Eigen::Vector3d& p, const Pieces& pieces)
     return std::sqrt(least);
 }
 
-// Corners and middles of `from` are that far from `to` at most.
-double farthest(const Pieces& from, const Pieces& to)
+bool is_corner(const Eigen::Vector3d& p, const Pieces& pieces)
+{
+    return std::any_of(pieces.begin(), pieces.end(),
+                       [&](const Piece& piece) { return std::ranges::find(piece.corner, p) != piece.corner.end(); });
+}
+
+// Corners and middles of `from` are that far from `to` at most; the first that is farther than `enough` ends it.
+double farthest(const Pieces& from, const Pieces& to, double enough)
 {
     double most = 0.0;
     for (const Piece& piece : from) {
-        most = std::max(most, distance(middle(piece.corner), to));
         for (const auto& corner : piece.corner)
-            most = std::max(most, distance(corner, to));
+            if (most <= enough && !is_corner(corner, to)) most = std::max(most, distance(corner, to));
+        if (most <= enough) most = std::max(most, distance(middle(piece.corner), to));
     }
     return most;
 }
@@ -119,7 +126,8 @@ struct Change {
 class Unfolder {
 public:
     Unfolder(const PlaneMesh& mesh, const SimplifyParams& params)
-        : planes_(mesh), params_(params), mesh_(doubles(mesh.mesh.position), mesh.mesh.face)
+        : planes_(mesh), params_(params), mesh_(doubles(mesh.mesh.position), mesh.mesh.face),
+          stirred_(mesh.mesh.face.size(), 1)
     {
     }
 
@@ -129,9 +137,11 @@ public:
         std::size_t changes = 0;
         for (int pass = 0; pass < kUnfoldPasses; ++pass) {
             const std::size_t before = changes;
-            for (FaceId f = 0; f < mesh_.face_count(); ++f)
+            for (FaceId f = 0; f < mesh_.face_count(); ++f) {
+                if (std::exchange(stirred_[f], std::uint8_t{0}) == 0) continue;
                 while (mesh_.alive(f) && is_defective(f) && improve(f))
                     ++changes;
+            }
             if (changes == before) break;
         }
         return changes;
@@ -155,6 +165,7 @@ private:
     void try_flip(FaceId f, VertexId a, VertexId b, std::optional<Change>& best) const;
     void try_other_planes(FaceId f, std::optional<Change>& best) const;
     void apply(const Change& change);
+    void stir(VertexId v);
     void consider(Change change, const std::vector<FaceId>& inner, const Pieces& after,
                   std::optional<Change>& best) const;
     bool open(VertexId v) const;
@@ -162,6 +173,7 @@ private:
     PlaneMesh planes_; // its faces are as they were
     const SimplifyParams& params_;
     CollapseMesh mesh_;
+    std::vector<std::uint8_t> stirred_; // F; has something changed nearby since the face was looked at?
 };
 
 // Faces of the given vertices, each once.
@@ -236,8 +248,20 @@ bool Unfolder::improve(FaceId f)
         }
     }
     try_other_planes(f, best);
-    if (best) apply(*best);
-    return best.has_value();
+    if (!best) return false;
+    apply(*best);
+    stir(best->kind == Change::Kind::OtherPlane ? mesh_.face(best->faces[0])[0] : best->kept);
+    return true;
+}
+
+// Faces that share vertices with those around the vertex are to be looked at again.
+void Unfolder::stir(VertexId v)
+{
+    for (const FaceId f : around({v}))
+        for (const VertexId w : mesh_.face(f))
+            for (const FaceId g : around({w}))
+                for (const VertexId x : mesh_.face(g))
+                    mesh_.for_each_face(x, [&](FaceId h) { stirred_[h] = 1; });
 }
 
 void Unfolder::apply(const Change& change)
@@ -317,7 +341,9 @@ void Unfolder::consider(Change change, const std::vector<FaceId>& inner, const P
     change.defects = defects(with_outer(after), after.size(), planes_.plane) -
                      defects(with_outer(before), before.size(), planes_.plane);
     if (change.defects >= 0 || after.empty()) return;
-    change.error = std::max(farthest(before, with_outer(after)), farthest(after, before));
+    change.error = farthest(before, with_outer(after), params_.max_fold_error);
+    if (change.error > params_.max_fold_error) return;
+    change.error = std::max(change.error, farthest(after, before, params_.max_fold_error));
     if (change.error <= params_.max_fold_error && (!best || change.better_than(*best))) best = change;
 }
 

@@ -10,7 +10,7 @@ int main(int argc, char** argv)
     const Stage stage{
         .name = "fill-holes",
         .summary = "closes holes that no ray passed through, on their planes and up to where planes meet",
-        .impl_version = 2,
+        .impl_version = 3,
         .inputs = {{"scan", "frames and the depth camera"},
                    {"keyframes", "the frames whose rays are asked"},
                    {"plane_mesh", "planes with holes"},

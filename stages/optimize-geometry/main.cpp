@@ -9,7 +9,7 @@ int main(int argc, char** argv)
     const Stage stage{
         .name = "optimize-geometry",
         .summary = "moves vertices onto the optimised planes, and those of creases and corners onto where planes meet",
-        .impl_version = 3,
+        .impl_version = 4,
         .inputs = {{"plane_mesh", "simplified planes"}, {"alignment", "the planes as optimised, in the same order"}},
         .outputs = {{"plane_mesh", "the same faces on the optimised planes"}},
         .resources = {.memory = "bytes(plane_mesh) * 100 + 200M"},

@@ -121,6 +121,62 @@ TEST(Simplify, KeepsAnIslandInsideAPlane)
     EXPECT_LT(result.mesh.face.size(), 40u);
 }
 
+// A square of 1 cm cells with a tab on one side that is turned over along its length: seen along the normal, the border
+// of this one plane crosses itself.
+PlaneMesh square_with_a_twisted_tab(int cells)
+{
+    constexpr int kWidth = 4, kLength = 12; // [cells]
+    constexpr double kCell = 0.01;
+    auto result = join_sheets({{{0, 0, 0}, {kCell * cells, 0, 0}, {0, kCell * cells, 0}, cells}});
+    TriangleMesh& mesh = result.mesh;
+    const double middle = kCell * (cells / 2);
+    const auto at = [&](int i, int j) -> Eigen::Vector3f { // across, along
+        const double across = kCell * (i - 0.5 * kWidth), turn = M_PI * j / kLength;
+        return Eigen::Vector3d(middle + across * std::cos(turn), -kCell * j, across * std::sin(turn)).cast<float>();
+    };
+    const auto nearest = [&](const Eigen::Vector3f& p) {
+        const auto found = std::ranges::min_element(mesh.position, {}, [&](const auto& q) { return (q - p).norm(); });
+        return static_cast<VertexId>(found - mesh.position.begin());
+    };
+    std::vector<VertexId> row;
+    for (int i = 0; i <= kWidth; ++i)
+        row.push_back(nearest(at(i, 0)));
+    for (int j = 1; j <= kLength; ++j) {
+        const auto first = static_cast<VertexId>(mesh.position.size());
+        for (VertexId i = 0; i <= kWidth; ++i)
+            mesh.position.push_back(at(static_cast<int>(i), j));
+        for (VertexId i = 0; i < kWidth; ++i) {
+            mesh.face.push_back({first + i, first + i + 1, row[i]});
+            mesh.face.push_back({first + i + 1, row[i + 1], row[i]});
+        }
+        for (VertexId i = 0; i <= kWidth; ++i)
+            row[i] = first + i;
+    }
+    result.face_plane.assign(mesh.face.size(), 0);
+    result.vertex_class = classify_vertices(mesh, result.face_plane);
+    return result;
+}
+
+TEST(Simplify, CutsAKnotOutOfAPlaneAndFillsTheRest)
+{
+    const auto knotted = square_with_a_twisted_tab(60);
+    const auto result = simplify(knotted, {});
+    const auto found = inspect(result);
+    EXPECT_EQ(found.euler_characteristic, 1);
+    EXPECT_EQ(found.non_manifold_edges + found.bow_tie_vertices + found.flipped_faces + found.folded_pairs, 0u);
+    std::size_t on_square = 0; // with a corner on it, away from the tab
+    for (const Face& face : result.mesh.face)
+        for (const VertexId v : face)
+            if (result.mesh.position[v].y() > 0.1f) {
+                ++on_square;
+                break;
+            }
+    EXPECT_LE(on_square, 12u);
+    SimplifyParams qem;
+    qem.method = SimplifyMethod::Qem;
+    EXPECT_LT(result.mesh.face.size(), simplify(knotted, qem).mesh.face.size() + 20);
+}
+
 TEST(Simplify, KeepsAtLeastFourFacesOfAClosedSurfaceOfOnePlane)
 {
     auto mesh = box({0.01, 0.01, 0.01}, 6);

@@ -1,0 +1,58 @@
+#include "simplify/knots.h"
+
+#include "mesh/adjacency.h"
+
+#include <algorithm>
+
+namespace quoin {
+namespace {
+
+// Of every face the piece that it belongs to.
+std::vector<std::uint32_t> pieces_of(const std::vector<Face>& faces, std::size_t vertices)
+{
+    TriangleMesh mesh;
+    mesh.position.resize(vertices);
+    mesh.face = faces;
+    return face_components(mesh);
+}
+
+} // namespace
+
+std::vector<std::uint32_t> segments_aside(const Outline& outline, const std::vector<Face>& faces)
+{
+    const auto piece = pieces_of(faces, outline.point.size());
+    std::vector<std::size_t> size;
+    for (const std::uint32_t p : piece) {
+        size.resize(std::max<std::size_t>(size.size(), p + 1), 0);
+        ++size[p];
+    }
+    const auto main = static_cast<std::uint32_t>(std::max_element(size.begin(), size.end()) - size.begin());
+    std::vector<std::array<std::uint32_t, 2>> aside; // half-edges
+    for (std::size_t f = 0; f < faces.size(); ++f)
+        for (std::size_t k = 0; k < 3; ++k)
+            if (piece[f] != main) aside.push_back({faces[f][k], faces[f][(k + 1) % 3]});
+    std::sort(aside.begin(), aside.end());
+    std::vector<std::uint32_t> found;
+    for (std::uint32_t s = 0; s < outline.segment.size(); ++s)
+        if (std::binary_search(aside.begin(), aside.end(), outline.segment[s])) found.push_back(s);
+    return found;
+}
+
+std::vector<Eigen::Vector3d> find_knots(const PlaneOutline& plane, const std::vector<Eigen::Vector3d>& position,
+                                        const std::vector<std::uint32_t>& aside)
+{
+    std::vector<Eigen::Vector3d> knots;
+    const auto on_segment = [&](std::uint32_t i, double t) {
+        const auto [a, b] = plane.outline.segment[i];
+        return Eigen::Vector3d((1.0 - t) * position[plane.vertex[a]] + t * position[plane.vertex[b]]);
+    };
+    for (const auto& [i, j] : crossings(plane.outline))
+        knots.push_back(on_segment(i, crossing_parameter(plane.outline, i, j)));
+    if (!knots.empty()) return knots;
+    for (const std::uint32_t i : aside.empty() ? contradictions(plane.outline) : aside)
+        for (const double t : {0.0, 0.5, 1.0})
+            knots.push_back(on_segment(i, t));
+    return knots;
+}
+
+} // namespace quoin

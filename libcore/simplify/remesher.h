@@ -1,0 +1,73 @@
+// One attempt to simplify the zones of a mesh that are not settled yet.
+#pragma once
+
+#include "simplify/outlines.h"
+#include "simplify/zones.h"
+
+namespace quoin {
+
+// What has been simplified for good, in vertices of the dense mesh.
+struct Settled {
+    std::vector<Eigen::Vector3f> position; // V; of vertices that faces have
+    std::vector<std::uint8_t> gone;        // V; is it a vertex of a curve that was joined to others?
+    std::vector<std::vector<Face>> face;   // by zone
+};
+
+// Rough zones are contracted by quadrics; the borders of the flat ones are thinned, and each is filled anew between
+// them. What borders on settled zones stays as they have it.
+class Remesher {
+public:
+    Remesher(const Zones& zones, ZonePart part, const Settled& settled, const SimplifyParams& params);
+
+    // Have all zones been filled?
+    bool run();
+    std::vector<Zones::Failure> failures() const;
+    // Adds the zones that have been simplified; in the end all vertices are where floats can be.
+    void settle(Settled& settled) const;
+
+private:
+    using Flags = std::vector<std::uint8_t>;
+    using Edges = std::vector<std::array<VertexId, 2>>;
+
+    void hold_settled(const Settled& settled);
+    void straighten(const Settled& settled);
+    void take_over(Curve& curve, const Settled& settled);
+    void simplify_rough();
+    void fill_holes();
+    bool is_hole(CurveId id) const;
+    bool is_small_hole(CurveId id) const;
+    void bound_free_curves();
+    void bound_edges();
+    Edges taken_edges() const;
+    double length(const Curve& curve) const;
+    void thin_free_curves();
+    void restore(CurveId id);
+    static std::vector<PlaneOutline::Source> bad_segments(const PlaneOutline& plane);
+    bool tighten(const Outlines& outlines, const Flags& changed);
+    void tighten_segment(const PlaneOutline::Source& source);
+    void release(std::uint32_t slot);
+    void triangulate_planes();
+    void triangulate_plane(const Outlines& outlines, PlaneId p);
+
+    const ZonePart part_; // dense
+    const SimplifyParams& params_;
+    Flags flat_; // one a zone: to be filled
+    Curves curves_;
+    Flags fixed_; // one a curve: faces of rough or of settled zones are at it
+    Flags held_;  // one a vertex: settled zones have it
+    Edges settled_edges_;
+    Flags filled_; // one a curve: borders of holes that vanish
+    PlaneMesh rough_;
+    std::vector<Eigen::Vector3d> position_; // V
+    CurveBounds bounds_;
+    std::vector<std::uint8_t> step_;                               // one a slot: how often its bound was tightened
+    std::vector<CurveId> free_;                                    // curves that are not fixed
+    Flags dirty_;                                                  // one a curve: to be simplified again
+    std::vector<std::pair<VertexId, std::uint32_t>> corner_slots_; // of all curves, sorted
+    Flags released_;                                               // one a vertex: is where it was in the dense mesh
+    std::vector<std::vector<Face>> faces_;                         // one a zone
+    Flags failed_;                                                 // one a zone
+    std::vector<std::vector<Eigen::Vector3d>> knots_;              // of zones that failed
+};
+
+} // namespace quoin
