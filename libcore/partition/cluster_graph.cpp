@@ -7,12 +7,15 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 namespace quoin {
 namespace {
 
 constexpr std::size_t kClusterGrain = 16384;
+constexpr std::size_t kBlockFaces = 16384; // their clusters and edges take about as much as a second-level cache
+constexpr std::uint32_t kUnnumbered = 0xffffffffu;
 // Faces of a non-manifold edge are linked to this many of their successors; farther ones are neighbours through those.
 constexpr std::size_t kFanReach = 8;
 
@@ -35,7 +38,7 @@ struct FanEdge {
     auto operator<=>(const FanEdge&) const = default;
 };
 
-void add_fans(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite, std::vector<ClusterEdge>& edges)
+void add_fans(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite, ClusterGraph& graph)
 {
     std::vector<FanEdge> fans;
     for (std::uint32_t h = 0; h < opposite.size(); ++h) {
@@ -46,7 +49,7 @@ void add_fans(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposi
     std::sort(fans.begin(), fans.end());
     for (std::size_t i = 0; i < fans.size(); ++i)
         for (std::size_t j = i + 1; j < fans.size() && j <= i + kFanReach && fans[j].vertices == fans[i].vertices; ++j)
-            add_edge(edges, fans[i].face, fans[j].face);
+            add_edge(graph.edge, graph.face_cluster[fans[i].face], graph.face_cluster[fans[j].face]);
 }
 
 using EdgeIterator = std::vector<ClusterEdge>::iterator;
@@ -98,10 +101,16 @@ void sort_and_unique(std::vector<ClusterEdge>& edges, std::size_t clusters)
 
 Eigen::Vector3d center_of(const TriangleMesh& mesh)
 {
-    Eigen::AlignedBox3f box;
-    for (const auto& face : mesh.face)
-        for (const VertexId v : face)
-            box.extend(mesh.position[v]);
+    using Box = Eigen::AlignedBox3f;
+    const auto box_of = [&](std::size_t begin, std::size_t end) {
+        Box box;
+        for (std::size_t f = begin; f < end; ++f)
+            for (const VertexId v : mesh.face[f])
+                box.extend(mesh.position[v]);
+        return box;
+    };
+    const Box box = parallel_reduce(mesh.face.size(), kClusterGrain, Box(), box_of,
+                                    [](const Box& x, const Box& y) { return x.merged(y); });
     return box.isEmpty() ? Eigen::Vector3d::Zero() : Eigen::Vector3d(box.center().cast<double>());
 }
 
@@ -135,29 +144,95 @@ bool may_join(const Cluster& a, const Cluster& b, const Moments& sum, const Inva
     return !std::isfinite(limits.max_error) || parts_fit(a.sum, b.sum, sum, i, limits.max_error);
 }
 
+struct FaceRange {
+    std::size_t first = 0, last = 0;
+    std::size_t size() const { return last - first; }
+};
+
+// Clusters of single faces, still without sums, and the edges between them that are no fans.
+ClusterGraph clusters_of_range(const std::vector<std::uint32_t>& opposite, FaceRange range)
+{
+    ClusterGraph graph;
+    graph.count = range.size();
+    graph.cluster.resize(graph.count);
+    graph.parent.resize(graph.count);
+    std::iota(graph.parent.begin(), graph.parent.end(), 0u);
+    graph.face_cluster = graph.parent;
+    graph.edge.reserve(3 * graph.count / 2);
+    for (std::size_t h = 3 * range.first; h < 3 * range.last; ++h)
+        if (const std::uint32_t o = opposite[h]; is_half_edge(o) && h < o && o / 3 < range.last)
+            add_edge(graph.edge, static_cast<ClusterId>(h / 3 - range.first),
+                     static_cast<ClusterId>(o / 3 - range.first));
+    sort_and_unique(graph.edge, graph.count);
+    return graph;
+}
+
+void sum_faces(const TriangleMesh& mesh, std::size_t first, ClusterGraph& graph)
+{
+    parallel_for(
+        graph.cluster.size(),
+        [&](std::size_t c) { graph.cluster[c] = cluster_of_face(mesh, static_cast<FaceId>(first + c), graph.origin); },
+        kClusterGrain);
+}
+
+// Blocks one behind the other; edges between them are still missing. Empties the blocks.
+ClusterGraph concatenated(std::vector<ClusterGraph>& blocks)
+{
+    ClusterGraph graph;
+    graph.origin = blocks.front().origin;
+    graph.limits = blocks.front().limits;
+    for (auto& block : blocks) {
+        const auto offset = static_cast<ClusterId>(graph.count);
+        graph.cluster.insert(graph.cluster.end(), block.cluster.begin(), block.cluster.end());
+        for (const auto& edge : block.edge)
+            graph.edge.push_back({edge.a + offset, edge.b + offset, edge.cost});
+        for (const ClusterId c : block.face_cluster)
+            graph.face_cluster.push_back(c + offset);
+        graph.count += block.count;
+        block = {};
+    }
+    graph.parent.resize(graph.count);
+    std::iota(graph.parent.begin(), graph.parent.end(), 0u);
+    return graph;
+}
+
+void add_edges_between_blocks(const std::vector<std::uint32_t>& opposite, ClusterGraph& graph)
+{
+    for (std::size_t h = 0; h < opposite.size(); ++h)
+        if (const std::uint32_t o = opposite[h]; is_half_edge(o) && h / 3 / kBlockFaces < o / 3 / kBlockFaces)
+            add_edge(graph.edge, graph.face_cluster[h / 3], graph.face_cluster[o / 3]);
+}
+
 } // namespace
 
 ClusterGraph clusters_of_faces(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite,
                                const MergeLimits& limits)
 {
-    ClusterGraph graph;
+    ClusterGraph graph = clusters_of_range(opposite, {0, mesh.face.size()});
     graph.origin = center_of(mesh);
     graph.limits = limits;
-    graph.count = mesh.face.size();
-    graph.cluster.resize(graph.count);
-    graph.parent.resize(graph.count);
-    parallel_for(
-        graph.count,
-        [&](std::size_t f) {
-            graph.cluster[f] = cluster_of_face(mesh, static_cast<FaceId>(f), graph.origin);
-            graph.parent[f] = static_cast<ClusterId>(f);
-        },
-        kClusterGrain);
-    graph.edge.reserve(opposite.size() / 2);
-    for (std::uint32_t h = 0; h < opposite.size(); ++h)
-        if (opposite[h] != kNonManifoldEdge && opposite[h] != kBorderEdge && h < opposite[h])
-            add_edge(graph.edge, h / 3, opposite[h] / 3);
-    add_fans(mesh, opposite, graph.edge);
+    sum_faces(mesh, 0, graph);
+    add_fans(mesh, opposite, graph);
+    sort_and_unique(graph.edge, graph.count);
+    return graph;
+}
+
+ClusterGraph clusters_of_blocks(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite,
+                                const MergeLimits& limits, const std::function<void(ClusterGraph& block)>& grow)
+{
+    const Eigen::Vector3d origin = center_of(mesh);
+    std::vector<ClusterGraph> blocks((mesh.face.size() + kBlockFaces - 1) / kBlockFaces);
+    parallel_for(blocks.size(), [&](std::size_t b) {
+        const FaceRange range{b * kBlockFaces, std::min((b + 1) * kBlockFaces, mesh.face.size())};
+        blocks[b] = clusters_of_range(opposite, range);
+        blocks[b].origin = origin;
+        blocks[b].limits = limits;
+        sum_faces(mesh, range.first, blocks[b]);
+        grow(blocks[b]);
+    });
+    ClusterGraph graph = concatenated(blocks);
+    add_edges_between_blocks(opposite, graph);
+    add_fans(mesh, opposite, graph);
     sort_and_unique(graph.edge, graph.count);
     return graph;
 }
@@ -198,39 +273,47 @@ void join(ClusterGraph& graph, ClusterId a, ClusterId b)
     graph.parent[b] = a;
 }
 
-void rewire(ClusterGraph& graph, const std::vector<std::uint8_t>& changed)
+void compact(ClusterGraph& graph, const std::vector<std::uint8_t>& changed)
 {
-    parallel_for(
-        graph.edge.size(),
-        [&](std::size_t i) {
-            ClusterEdge& edge = graph.edge[i];
-            const ClusterId a = graph.parent[edge.a], b = graph.parent[edge.b];
-            edge.a = std::min(a, b);
-            edge.b = std::max(a, b);
-            if (changed[a] || changed[b]) edge.cost = kUnknownCost;
-        },
-        kClusterGrain);
-    std::erase_if(graph.edge, [](const ClusterEdge& edge) { return edge.a == edge.b; });
-    sort_and_unique(graph.edge, graph.cluster.size());
+    std::vector<ClusterId> id(graph.cluster.size(), kUnnumbered); // of roots
+    std::vector<std::uint8_t> renewed;                            // changed, by new number
+    for (const ClusterId root : graph.parent) {
+        if (id[root] != kUnnumbered) continue;
+        id[root] = static_cast<ClusterId>(renewed.size());
+        graph.cluster[id[root]] = graph.cluster[root]; // whose place is free: that cluster has its number already
+        renewed.push_back(changed[root]);
+    }
+    graph.count = renewed.size();
+    graph.cluster.resize(graph.count);
+    const auto number = [&](ClusterId c) { return id[graph.parent[c]]; };
+    for (ClusterId& c : graph.face_cluster)
+        c = number(c);
+    auto kept = graph.edge.begin();
+    for (const ClusterEdge& edge : graph.edge) {
+        const ClusterId a = number(edge.a), b = number(edge.b);
+        if (a != b) *kept++ = {std::min(a, b), std::max(a, b), renewed[a] || renewed[b] ? kUnknownCost : edge.cost};
+    }
+    graph.edge.erase(kept, graph.edge.end());
+    sort_and_unique(graph.edge, graph.count);
+    graph.parent.resize(graph.count);
+    std::iota(graph.parent.begin(), graph.parent.end(), 0u);
 }
 
 std::vector<std::uint32_t> cluster_labels(const ClusterGraph& graph)
 {
-    constexpr std::uint32_t kUnseen = 0xffffffffu;
-    std::vector<ClusterId> parent = graph.parent;
-    const auto root_of = [&](ClusterId c) {
-        while (parent[c] != c)
-            c = parent[c] = parent[parent[c]];
-        return c;
-    };
-    std::vector<std::uint32_t> label_of_root(parent.size(), kUnseen), label(parent.size());
+    std::vector<std::uint32_t> label_of_root(graph.parent.size(), kUnnumbered), label(graph.parent.size());
     std::uint32_t count = 0;
-    for (ClusterId f = 0; f < label.size(); ++f) {
-        std::uint32_t& root_label = label_of_root[root_of(f)];
-        if (root_label == kUnseen) root_label = count++;
-        label[f] = root_label;
+    for (ClusterId c = 0; c < label.size(); ++c) {
+        ClusterId root = c;
+        while (graph.parent[root] != root)
+            root = graph.parent[root];
+        if (label_of_root[root] == kUnnumbered) label_of_root[root] = count++;
+        label[c] = label_of_root[root];
     }
-    return label;
+    std::vector<std::uint32_t> face_label(graph.face_cluster.size());
+    parallel_for(
+        face_label.size(), [&](std::size_t f) { face_label[f] = label[graph.face_cluster[f]]; }, kClusterGrain);
+    return face_label;
 }
 
 } // namespace quoin

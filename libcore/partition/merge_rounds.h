@@ -5,8 +5,7 @@
 
 namespace quoin {
 
-// Joins until at most `stop_count` clusters are left (a round may halve their number) or rounds join few. A pure
-// function of the graph, whatever the number of threads.
+// Joins until at most `stop_count` clusters are left (a round may halve their number) or rounds join few.
 void merge_in_rounds(ClusterGraph& graph, std::size_t stop_count);
 
 } // namespace quoin

@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/progress.h"
 #include "mesh/adjacency.h"
 #include "mesh/plane_fit.h"
 #include "partition/cluster_graph.h"
@@ -83,12 +84,24 @@ std::size_t handover(std::size_t faces, std::size_t target, const PartitionParam
                     static_cast<std::size_t>(params.round_reserve) * target);
 }
 
+ClusterGraph grow_in_rounds(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite,
+                            const MergeLimits& limits, std::size_t stop_count)
+{
+    Progress progress("growing clusters in rounds", mesh.face.size());
+    return clusters_of_blocks(mesh, opposite, limits, [&](ClusterGraph& block) {
+        const std::size_t faces = block.face_cluster.size();
+        merge_in_rounds(block, faces * stop_count / mesh.face.size());
+        progress.step(faces);
+    });
+}
+
 std::vector<PlaneId> grow_clusters(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite,
                                    const MergeLimits& limits, const PartitionParams& params)
 {
-    ClusterGraph graph = clusters_of_faces(mesh, opposite, limits);
     const std::size_t target = target_count(mesh, params);
-    if (params.method == GrowthMethod::Hybrid) merge_in_rounds(graph, handover(graph.count, target, params));
+    ClusterGraph graph = params.method == GrowthMethod::Hybrid
+                             ? grow_in_rounds(mesh, opposite, limits, handover(mesh.face.size(), target, params))
+                             : clusters_of_faces(mesh, opposite, limits);
     if (params.method == GrowthMethod::RegionGrowing)
         grow_regions(graph, opposite, {params.max_error, std::cos(params.grow_angle * std::numbers::pi / 180.0)});
     merge_by_heap(graph, target);
