@@ -175,7 +175,7 @@ PlaneMesh relabelled(const PlaneMesh& mesh, const NeighbourGraph& graph, const R
     result.face_plane.reserve(mesh.face_plane.size());
     for (const PlaneId p : mesh.face_plane)
         result.face_plane.push_back(id[p]);
-    result.plane = fit_planes(result.mesh, result.face_plane, count, fit);
+    result.plane = fit_planes(result.mesh, result.face_plane, count, fit).plane;
     for (std::size_t p = 0; p < count; ++p)
         if (parts[p] == 1) result.plane[p] = mesh.plane[only_part[p]];
     result.vertex_class = classify_vertices(result.mesh, result.face_plane);

@@ -1,17 +1,22 @@
 #include "mesh/plane_mesh.h"
 
+#include "base/parallel.h"
 #include "mesh/adjacency.h"
 
 #include <algorithm>
+#include <atomic>
 
 namespace quoin {
 namespace {
+
+constexpr std::size_t kFaceGrain = 1 << 14;
 
 // What a vertex has seen while half-edges are walked.
 struct Seen {
     PlaneId plane[2] = {kNoPlane, kNoPlane};
     bool more_planes = false;
     int curve_edges = 0; // edges of plane borders and mesh borders that end here
+    bool on_mesh_border = false;
     bool irregular = false;
 };
 
@@ -26,42 +31,91 @@ void see_plane(Seen& seen, PlaneId plane)
         seen.more_planes = true;
 }
 
-VertexClass class_of(const Seen& seen)
+// A half-edge between a and b that lies on a curve.
+void see_curve(Seen& a, Seen& b, std::uint32_t half_edge, std::uint32_t opposite)
 {
+    if (opposite == kNonManifoldEdge) a.irregular = b.irregular = true;
+    if (opposite == kBorderEdge) a.on_mesh_border = b.on_mesh_border = true;
+    if (opposite == kNonManifoldEdge || opposite < half_edge) return; // the other half-edge counts
+    ++a.curve_edges;
+    ++b.curve_edges;
+}
+
+VertexClass class_of(Seen seen)
+{
+    if (seen.on_mesh_border && seen.plane[1] != kNoPlane) seen.irregular = true; // where a crease meets the mesh border
     const bool regular_curve = seen.curve_edges == 2 && !seen.irregular && !seen.more_planes;
     if (seen.curve_edges == 0 && !seen.irregular && seen.plane[1] == kNoPlane) return VertexClass::Inner;
     return regular_curve ? VertexClass::Border : VertexClass::Corner;
+}
+
+// Is the edge one of a plane's border or of the mesh's?
+bool on_curve(const std::vector<PlaneId>& face_plane, std::uint32_t half_edge, std::uint32_t opposite)
+{
+    return !is_half_edge(opposite) || face_plane[opposite / 3] != face_plane[half_edge / 3];
+}
+
+// Several threads may store the same or, where any will do, different values.
+template <class T>
+void store(T& place, T value)
+{
+    std::atomic_ref(place).store(value, std::memory_order_relaxed);
+}
+
+// 1 for the vertices that are on a curve or touch more than one plane.
+std::vector<std::uint8_t> not_inside_planes(const TriangleMesh& mesh, const std::vector<PlaneId>& face_plane,
+                                            const std::vector<std::uint32_t>& opposite)
+{
+    std::vector<std::uint8_t> found(mesh.position.size(), 0);
+    std::vector<PlaneId> some_plane(mesh.position.size());
+    const auto see_curves = [&](std::size_t f) {
+        const Face& face = mesh.face[f];
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            store(some_plane[face[k]], face_plane[f]);
+            const auto h = static_cast<std::uint32_t>(3 * f + k);
+            if (!on_curve(face_plane, h, opposite[h])) continue;
+            store(found[face[k]], std::uint8_t{1});
+            store(found[face[(k + 1) % 3]], std::uint8_t{1});
+        }
+    };
+    const auto see_other_planes = [&](std::size_t f) {
+        for (const VertexId v : mesh.face[f])
+            if (some_plane[v] != face_plane[f]) store(found[v], std::uint8_t{1});
+    };
+    parallel_for(mesh.face.size(), see_curves, kFaceGrain);
+    parallel_for(mesh.face.size(), see_other_planes, kFaceGrain);
+    return found;
 }
 
 } // namespace
 
 std::vector<VertexClass> classify_vertices(const TriangleMesh& mesh, const std::vector<PlaneId>& face_plane)
 {
-    const auto opposite = opposite_half_edges(mesh);
-    std::vector<Seen> seen(mesh.position.size());
-    std::vector<std::uint8_t> mesh_border(mesh.position.size(), 0);
-    for (std::uint32_t h = 0; h < opposite.size(); ++h) {
-        const FaceId f = h / 3;
-        const VertexId a = mesh.face[f][h % 3], b = mesh.face[f][(h % 3 + 1) % 3];
-        see_plane(seen[a], face_plane[f]);
-        if (opposite[h] == kNonManifoldEdge) {
-            seen[a].irregular = seen[b].irregular = true;
-            continue;
+    return classify_vertices(mesh, face_plane, opposite_half_edges(mesh));
+}
+
+std::vector<VertexClass> classify_vertices(const TriangleMesh& mesh, const std::vector<PlaneId>& face_plane,
+                                           const std::vector<std::uint32_t>& opposite)
+{
+    const auto doubtful = not_inside_planes(mesh, face_plane, opposite);
+    std::vector<std::uint32_t> place(mesh.position.size()); // in `seen`, of doubtful vertices
+    std::uint32_t count = 0;
+    for (std::size_t v = 0; v < place.size(); ++v)
+        place[v] = doubtful[v] ? count++ : 0;
+    std::vector<Seen> seen(count);
+    for (FaceId f = 0; f < mesh.face.size(); ++f) {
+        const Face& face = mesh.face[f];
+        if (!doubtful[face[0]] && !doubtful[face[1]] && !doubtful[face[2]]) continue;
+        for (std::uint32_t k = 0; k < 3; ++k) {
+            if (doubtful[face[k]]) see_plane(seen[place[face[k]]], face_plane[f]);
+            const std::uint32_t h = 3 * f + k;
+            if (on_curve(face_plane, h, opposite[h]))
+                see_curve(seen[place[face[k]]], seen[place[face[(k + 1) % 3]]], h, opposite[h]);
         }
-        const bool on_mesh_border = opposite[h] == kBorderEdge;
-        const bool first_of_pair = !on_mesh_border && h < opposite[h];
-        if (on_mesh_border || (first_of_pair && face_plane[opposite[h] / 3] != face_plane[f])) {
-            ++seen[a].curve_edges;
-            ++seen[b].curve_edges;
-        }
-        if (on_mesh_border) mesh_border[a] = mesh_border[b] = 1;
     }
-    std::vector<VertexClass> classes(mesh.position.size());
-    for (std::size_t v = 0; v < seen.size(); ++v) {
-        if (mesh_border[v] && seen[v].plane[1] != kNoPlane)
-            seen[v].irregular = true; // where a crease meets the mesh border
-        classes[v] = class_of(seen[v]);
-    }
+    std::vector<VertexClass> classes(mesh.position.size(), VertexClass::Inner);
+    for (std::size_t v = 0; v < classes.size(); ++v)
+        if (doubtful[v]) classes[v] = class_of(seen[place[v]]);
     return classes;
 }
 

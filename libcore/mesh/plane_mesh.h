@@ -22,7 +22,9 @@ struct PlaneMesh {
     std::vector<VertexClass> vertex_class; // V
 };
 
-// Classes of all vertices from the planes of their faces.
+// Classes of all vertices from the planes of their faces. opposite: opposite_half_edges(mesh).
 std::vector<VertexClass> classify_vertices(const TriangleMesh& mesh, const std::vector<PlaneId>& face_plane);
+std::vector<VertexClass> classify_vertices(const TriangleMesh& mesh, const std::vector<PlaneId>& face_plane,
+                                           const std::vector<std::uint32_t>& opposite);
 
 } // namespace quoin

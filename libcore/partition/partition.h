@@ -72,6 +72,6 @@ struct PartitionParams {
 // other components or `min_facing` forbid to join further. Degenerate and duplicate faces are allowed. Throws
 // InputError when a face uses a vertex that does not exist or is not finite, and ImpossibleError when no face has an
 // area.
-PlaneMesh partition(const TriangleMesh& mesh, const PartitionParams& params);
+PlaneMesh partition(TriangleMesh mesh, const PartitionParams& params);
 
 } // namespace quoin
