@@ -1,6 +1,7 @@
 #include "mesh/plane_fit.h"
 
 #include "base/parallel.h"
+#include "mesh/grouped_faces.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,29 +12,6 @@ namespace quoin {
 namespace {
 
 constexpr double kDeviationPerMedian = 1.4826; // of a normal distribution
-
-// Faces of every cluster, ascending.
-struct ClusterFaces {
-    std::vector<std::uint32_t> first;
-    std::vector<FaceId> face;
-    std::span<const FaceId> of(std::size_t plane) const
-    {
-        return {face.data() + first[plane], first[plane + 1] - first[plane]};
-    }
-};
-
-ClusterFaces group_faces(const std::vector<PlaneId>& face_plane, std::size_t planes)
-{
-    ClusterFaces groups{std::vector<std::uint32_t>(planes + 1, 0), std::vector<FaceId>(face_plane.size())};
-    for (const PlaneId plane : face_plane)
-        if (plane != kNoPlane) ++groups.first[plane + 1];
-    for (std::size_t p = 0; p < planes; ++p)
-        groups.first[p + 1] += groups.first[p];
-    std::vector<std::uint32_t> next(groups.first.begin(), groups.first.end() - 1);
-    for (FaceId f = 0; f < face_plane.size(); ++f)
-        if (face_plane[f] != kNoPlane) groups.face[next[face_plane[f]]++] = f;
-    return groups;
-}
 
 // A face as a point with a weight.
 struct FacePoint {
@@ -185,7 +163,7 @@ private:
 FittedPlanes fit_planes(const TriangleMesh& mesh, const std::vector<PlaneId>& face_plane, std::size_t planes,
                         const RobustFit& fit)
 {
-    const ClusterFaces groups = group_faces(face_plane, planes);
+    const GroupedFaces groups = group_faces(face_plane, planes);
     FittedPlanes result{std::vector<Plane>(planes), std::vector<Moments>(planes)};
     parallel_for(planes, [&](std::size_t p) {
         if (groups.of(p).empty()) return;

@@ -1,16 +1,20 @@
 #include "partition/refine_borders.h"
 
+#include "base/parallel.h"
 #include "base/progress.h"
 #include "geometry/pca_energy.h"
 #include "mesh/adjacency.h"
+#include "mesh/grouped_faces.h"
 
 #include <Eigen/Geometry>
-#include <array>
+#include <algorithm>
 #include <cmath>
-#include <deque>
+#include <span>
 
 namespace quoin {
 namespace {
+
+constexpr std::size_t kRefineGrain = 1 << 13;
 
 struct RegionFit {
     Moments sum; // about the mesh's centre
@@ -29,28 +33,29 @@ public:
     Refiner(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite, const RefineLimits& limits,
             std::vector<std::uint32_t>& label)
         : mesh_(mesh), opposite_(opposite), limits_(limits), label_(label),
-          border_weight_(border_weight(mesh, limits.border_distance)), queued_(label.size(), 0)
+          border_weight_(border_weight(mesh, limits.border_distance)), origin_(corner(mesh, 0, 0)),
+          regions_(1 + *std::max_element(label.begin(), label.end())), queued_(label.size(), 0)
     {
-        origin_ = corner(mesh, 0, 0);
-        for (FaceId f = 0; f < label.size(); ++f)
-            add(f, label[f]);
-        for (auto& region : regions_)
-            region.energy = energy(region.sum);
-        for (FaceId f = 0; f < label.size(); ++f)
-            if (on_border(f)) enqueue(f);
+        const GroupedFaces groups = group_faces(label, regions_.size());
+        parallel_for(regions_.size(), [&](std::size_t r) { regions_[r] = sum_of(groups.of(r)); });
+        queue_ = border_faces();
     }
 
+    // Gains of all faces in the queue are found at once, from the sums of the moment, and those that promise something
+    // are looked at again one by one.
     void run()
     {
-        const auto budget = static_cast<std::size_t>(limits_.rounds * static_cast<double>(queue_.size()));
+        auto budget = static_cast<std::size_t>(limits_.rounds * static_cast<double>(queue_.size()));
         Progress progress("refining borders", budget);
-        for (std::size_t tried = 0; tried < budget && !queue_.empty(); ++tried) {
-            const FaceId f = queue_.front();
-            queue_.pop_front();
-            queued_[f] = 0;
-            if (regions_[label_[f]].faces < 2) continue;
-            const Move move = best_move(f);
-            if (move.gain > 0.0 && stays_connected(f) && acceptable(f, move.to)) apply(f, move.to);
+        std::vector<FaceId> batch;
+        while (budget > 0 && !queue_.empty()) {
+            batch.swap(queue_);
+            queue_.clear();
+            batch.resize(std::min(batch.size(), budget));
+            for (const FaceId f : promising(batch))
+                try_move(f);
+            budget -= batch.size();
+            progress.step(batch.size());
         }
         progress.step(budget);
     }
@@ -65,13 +70,59 @@ private:
     // Energy of a region of that many faces; a single face is flat by definition.
     double energy_of(const Moments& sum, std::uint32_t faces) const { return faces < 2 ? 0.0 : energy(sum); }
 
-    void add(FaceId f, std::uint32_t label)
+    RegionFit sum_of(std::span<const FaceId> faces) const
     {
-        if (label >= regions_.size()) regions_.resize(label + 1);
-        RegionFit& region = regions_[label];
-        region.sum += moments(f);
-        region.facing += 0.5 * area_vector(mesh_, f);
-        ++region.faces;
+        RegionFit region;
+        for (const FaceId f : faces) {
+            region.sum += moments(f);
+            region.facing += 0.5 * area_vector(mesh_, f);
+        }
+        region.faces = static_cast<std::uint32_t>(faces.size());
+        region.energy = energy(region.sum);
+        return region;
+    }
+
+    // The faces of a list for which keep(face) holds, in its order.
+    template <class FaceAt, class Keep>
+    static std::vector<FaceId> filtered(std::size_t count, const FaceAt& face_at, const Keep& keep)
+    {
+        const auto kept_of = [&](std::size_t begin, std::size_t end) {
+            std::vector<FaceId> kept;
+            for (std::size_t i = begin; i < end; ++i)
+                if (keep(face_at(i))) kept.push_back(face_at(i));
+            return kept;
+        };
+        const auto append = [](std::vector<FaceId> all, const std::vector<FaceId>& more) {
+            all.insert(all.end(), more.begin(), more.end());
+            return all;
+        };
+        return parallel_reduce(count, kRefineGrain, std::vector<FaceId>(), kept_of, append);
+    }
+
+    std::vector<FaceId> border_faces()
+    {
+        const auto faces = filtered(
+            label_.size(), [](std::size_t i) { return static_cast<FaceId>(i); },
+            [&](FaceId f) { return on_border(f); });
+        for (const FaceId f : faces)
+            queued_[f] = 1;
+        return faces;
+    }
+
+    std::vector<FaceId> promising(const std::vector<FaceId>& batch)
+    {
+        for (const FaceId f : batch)
+            queued_[f] = 0;
+        return filtered(
+            batch.size(), [&](std::size_t i) { return batch[i]; },
+            [&](FaceId f) { return regions_[label_[f]].faces > 1 && best_move(f).gain > 0.0; });
+    }
+
+    void try_move(FaceId f)
+    {
+        if (regions_[label_[f]].faces < 2) return;
+        const Move move = best_move(f);
+        if (move.gain > 0.0 && stays_connected(f) && acceptable(f, move.to)) apply(f, move.to);
     }
 
     bool on_border(FaceId f) const
@@ -201,7 +252,7 @@ private:
     double border_weight_;
     Eigen::Vector3d origin_;
     std::vector<RegionFit> regions_;
-    std::deque<FaceId> queue_;
+    std::vector<FaceId> queue_;
     std::vector<std::uint8_t> queued_;
 };
 
@@ -210,12 +261,20 @@ private:
 double border_weight(const TriangleMesh& mesh, double border_distance)
 {
     constexpr double kEnergyOfSquare = 144.0; // E = A s^2 / 144
-    double area = 0.0, length = 0.0;
-    for (FaceId f = 0; f < mesh.face.size(); ++f) {
-        area += face_area(mesh, f);
-        for (int k = 0; k < 3; ++k)
-            length += (corner(mesh, f, (k + 1) % 3) - corner(mesh, f, k)).norm();
-    }
+    const auto measure = [&](std::size_t begin, std::size_t end) {
+        Eigen::Vector2d sum(0.0, 0.0);
+        for (std::size_t f = begin; f < end; ++f) {
+            const auto face = static_cast<FaceId>(f);
+            sum[0] += face_area(mesh, face);
+            for (int k = 0; k < 3; ++k)
+                sum[1] += (corner(mesh, face, (k + 1) % 3) - corner(mesh, face, k)).norm();
+        }
+        return sum;
+    };
+    const Eigen::Vector2d sum =
+        parallel_reduce(mesh.face.size(), kRefineGrain, Eigen::Vector2d(0.0, 0.0), measure,
+                        [](const Eigen::Vector2d& x, const Eigen::Vector2d& y) -> Eigen::Vector2d { return x + y; });
+    const double area = sum[0], length = sum[1];
     if (length <= 0.0) return 0.0;
     const double area_per_length = area / (length / 3.0); // mean face over mean edge
     return area_per_length * border_distance * border_distance / kEnergyOfSquare;
