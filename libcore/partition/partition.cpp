@@ -98,7 +98,7 @@ std::size_t target_count(const TriangleMesh& mesh, const PartitionParams& params
 }
 
 // Clusters at which the rounds hand over to the exact heap. The heap alone decides about the last `round_reserve` times
-// the target, where the greedy order matters: the energy stays within 1 % of the exact one.
+// the target, where the greedy order matters most: the energy stays within 1 % of the exact one.
 std::size_t handover(std::size_t faces, std::size_t target, const PartitionParams& params)
 {
     return std::max(faces / static_cast<std::size_t>(params.round_faces),

@@ -18,8 +18,8 @@ struct PartitionParams {
     GrowthMethod method = GrowthMethod::Hybrid;
     double min_facing = 0.5;
     double max_part_angle = 80.0;
-    int round_faces = 8;
-    int round_reserve = 5;
+    int round_faces = 32;
+    int round_reserve = 2;
     double grow_angle = 30.0;
     int refine_rounds = 8;
     double border_distance = 0.003;
