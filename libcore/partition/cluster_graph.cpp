@@ -52,51 +52,27 @@ void add_fans(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposi
             add_edge(graph.edge, graph.face_cluster[fans[i].face], graph.face_cluster[fans[j].face]);
 }
 
-using EdgeIterator = std::vector<ClusterEdge>::iterator;
-
-// Stable; buckets hold a few edges, for which insertion beats the buffers of std::stable_sort.
-void sort_by_second_end(EdgeIterator first, EdgeIterator last)
+// Keeps one edge of each pair; they are then in the order of their first ends. Of equal edges the one that comes first
+// stays.
+void drop_doubles(std::vector<ClusterEdge>& edges, std::size_t clusters, EdgeBuffers& buffers)
 {
-    constexpr std::ptrdiff_t kFew = 32;
-    const auto less = [](const ClusterEdge& x, const ClusterEdge& y) { return x.b < y.b; };
-    if (last - first > kFew) return std::stable_sort(first, last, less);
-    for (auto i = first; i != last; ++i) {
-        const ClusterEdge edge = *i;
-        auto hole = i;
-        for (; hole != first && less(edge, *(hole - 1)); --hole)
-            *hole = *(hole - 1);
-        *hole = edge;
-    }
-}
-
-// Sorts edges by their first ends; stable.
-void sort_by_first_end(std::vector<ClusterEdge>& edges, std::size_t clusters)
-{
-    std::vector<std::uint32_t> next(clusters + 1, 0);
+    auto& [next, met, sorted] = buffers;
+    next.assign(clusters + 1, 0);
     for (const auto& edge : edges)
         ++next[edge.a + 1];
     for (std::size_t c = 0; c < clusters; ++c)
         next[c + 1] += next[c];
-    std::vector<ClusterEdge> sorted(edges.size());
+    sorted.resize(std::max(sorted.size(), edges.size()));
     for (const auto& edge : edges)
         sorted[next[edge.a]++] = edge;
-    edges.swap(sorted);
-}
-
-// Edges sorted by their ends, each pair once. Of equal edges the one that comes first stays.
-void sort_and_unique(std::vector<ClusterEdge>& edges, std::size_t clusters)
-{
-    const auto by_first_end = [](const ClusterEdge& x, const ClusterEdge& y) { return x.a < y.a; };
-    if (!std::is_sorted(edges.begin(), edges.end(), by_first_end)) sort_by_first_end(edges, clusters);
-    auto kept = edges.begin();
-    for (auto first = edges.begin(); first != edges.end();) {
-        const auto last = std::find_if(first, edges.end(), [&](const ClusterEdge& edge) { return edge.a != first->a; });
-        sort_by_second_end(first, last);
-        const auto end = std::unique(first, last, [](const auto& x, const auto& y) { return x.b == y.b; });
-        kept = kept == first ? end : std::move(first, end, kept);
-        first = last;
+    met.assign(clusters, kUnnumbered); // the first end that was seen last with this second one
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < edges.size(); ++i) {
+        if (met[sorted[i].b] == sorted[i].a) continue;
+        met[sorted[i].b] = sorted[i].a;
+        edges[kept++] = sorted[i];
     }
-    edges.erase(kept, edges.end());
+    edges.resize(kept);
 }
 
 Eigen::Vector3d center_of(const TriangleMesh& mesh)
@@ -114,9 +90,11 @@ Eigen::Vector3d center_of(const TriangleMesh& mesh)
     return box.isEmpty() ? Eigen::Vector3d::Zero() : Eigen::Vector3d(box.center().cast<double>());
 }
 
-bool faces_away(const Cluster& part, const Eigen::Vector3f& facing, const MergeLimits& limits)
+// Is the cosine between two vectors below the limit?
+bool apart(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double min_cosine)
 {
-    return part.facing.dot(facing) < static_cast<float>(limits.min_part_cosine) * part.facing.norm() * facing.norm();
+    const double dot = a.dot(b), bound = min_cosine * min_cosine * a.squaredNorm() * b.squaredNorm();
+    return min_cosine < 0.0 ? dot < 0.0 && dot * dot > bound : dot < 0.0 || dot * dot < bound;
 }
 
 // Is the RMS distance of the union, and of both parts, to the union's plane at most max_error? Planes are fitted only
@@ -138,9 +116,10 @@ bool parts_fit(const Moments& a, const Moments& b, const Moments& sum, const Inv
 // i: the invariants of `sum`, which is a.sum + b.sum.
 bool may_join(const Cluster& a, const Cluster& b, const Moments& sum, const Invariants& i, const MergeLimits& limits)
 {
-    const Eigen::Vector3f facing = a.facing + b.facing;
-    if (facing.norm() < limits.min_facing * sum.area) return false;
-    if (faces_away(a, facing, limits) || faces_away(b, facing, limits)) return false;
+    const Eigen::Vector3d x = a.facing.cast<double>(), y = b.facing.cast<double>(), facing = x + y;
+    const double least = limits.min_facing * sum.area;
+    if (facing.squaredNorm() < least * least) return false;
+    if (apart(x, facing, limits.min_part_cosine) || apart(y, facing, limits.min_part_cosine)) return false;
     return !std::isfinite(limits.max_error) || parts_fit(a.sum, b.sum, sum, i, limits.max_error);
 }
 
@@ -163,7 +142,6 @@ ClusterGraph clusters_of_range(const std::vector<std::uint32_t>& opposite, FaceR
         if (const std::uint32_t o = opposite[h]; is_half_edge(o) && h < o && o / 3 < range.last)
             add_edge(graph.edge, static_cast<ClusterId>(h / 3 - range.first),
                      static_cast<ClusterId>(o / 3 - range.first));
-    sort_and_unique(graph.edge, graph.count);
     return graph;
 }
 
@@ -213,7 +191,8 @@ ClusterGraph clusters_of_faces(const TriangleMesh& mesh, const std::vector<std::
     graph.limits = limits;
     sum_faces(mesh, 0, graph);
     add_fans(mesh, opposite, graph);
-    sort_and_unique(graph.edge, graph.count);
+    EdgeBuffers buffers;
+    drop_doubles(graph.edge, graph.count, buffers);
     return graph;
 }
 
@@ -233,7 +212,8 @@ ClusterGraph clusters_of_blocks(const TriangleMesh& mesh, const std::vector<std:
     ClusterGraph graph = concatenated(blocks);
     add_edges_between_blocks(opposite, graph);
     add_fans(mesh, opposite, graph);
-    sort_and_unique(graph.edge, graph.count);
+    EdgeBuffers buffers;
+    drop_doubles(graph.edge, graph.count, buffers);
     return graph;
 }
 
@@ -273,10 +253,11 @@ void join(ClusterGraph& graph, ClusterId a, ClusterId b)
     graph.parent[b] = a;
 }
 
-void compact(ClusterGraph& graph, const std::vector<std::uint8_t>& changed)
+void compact(ClusterGraph& graph, const std::vector<std::uint8_t>& changed, EdgeBuffers& buffers)
 {
     std::vector<ClusterId> id(graph.cluster.size(), kUnnumbered); // of roots
     std::vector<std::uint8_t> renewed;                            // changed, by new number
+    renewed.reserve(graph.count);
     for (const ClusterId root : graph.parent) {
         if (id[root] != kUnnumbered) continue;
         id[root] = static_cast<ClusterId>(renewed.size());
@@ -294,7 +275,7 @@ void compact(ClusterGraph& graph, const std::vector<std::uint8_t>& changed)
         if (a != b) *kept++ = {std::min(a, b), std::max(a, b), renewed[a] || renewed[b] ? kUnknownCost : edge.cost};
     }
     graph.edge.erase(kept, graph.edge.end());
-    sort_and_unique(graph.edge, graph.count);
+    drop_doubles(graph.edge, graph.count, buffers);
     graph.parent.resize(graph.count);
     std::iota(graph.parent.begin(), graph.parent.end(), 0u);
 }

@@ -66,9 +66,14 @@ bool may_join(const Cluster& a, const Cluster& b, const MergeLimits& limits);
 // b becomes a part of a; edges stay as they are.
 void join(ClusterGraph& graph, ClusterId a, ClusterId b);
 
+struct EdgeBuffers { // used again by every call, for memory that is touched first costs more than what is done with it
+    std::vector<std::uint32_t> next, met;
+    std::vector<ClusterEdge> sorted;
+};
+
 // Keeps the roots alone, numbered anew, and the edges between them. Costs of edges with an end that is changed[root]
 // are kUnknownCost. Every parent must be a root.
-void compact(ClusterGraph& graph, const std::vector<std::uint8_t>& changed);
+void compact(ClusterGraph& graph, const std::vector<std::uint8_t>& changed, EdgeBuffers& buffers);
 
 // Breaks ties of equal cost. A hash, for on flat walls all costs are equal, and by index every cluster would choose the
 // same neighbour as the one before it: mutual choices become rare and the rounds never end.

@@ -81,7 +81,8 @@ void grow_regions(ClusterGraph& graph, const std::vector<std::uint32_t>& opposit
     for (const FaceId seed : rank_seeds(graph, opposite))
         if (!taken[seed]) grow_from(graph, seed, opposite, limits, taken);
     progress.step(graph.cluster.size());
-    compact(graph, std::vector<std::uint8_t>(graph.cluster.size(), 1));
+    EdgeBuffers buffers;
+    compact(graph, std::vector<std::uint8_t>(graph.cluster.size(), 1), buffers);
 }
 
 } // namespace quoin

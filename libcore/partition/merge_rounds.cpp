@@ -12,23 +12,32 @@ constexpr std::size_t kWorthwhile = 100;
 // that the order of joins comes near the greedy one.
 constexpr std::size_t kFewFaces = 4;
 
-void find_best_edges(const ClusterGraph& graph, std::vector<std::uint32_t>& best)
+struct Choice {
+    double cost = kForbidden;
+    std::uint32_t edge = kNoEdge;
+};
+
+// The cheapest edge of every cluster.
+void find_choices(const ClusterGraph& graph, std::vector<Choice>& choice)
 {
-    best.assign(graph.cluster.size(), kNoEdge);
+    choice.assign(graph.cluster.size(), {});
     for (std::uint32_t e = 0; e < graph.edge.size(); ++e) {
         const ClusterEdge& edge = graph.edge[e];
-        if (edge.cost == kForbidden) continue;
-        for (const ClusterId end : {edge.a, edge.b})
-            if (best[end] == kNoEdge || cheaper(edge, graph.edge[best[end]])) best[end] = e;
+        for (const ClusterId end : {edge.a, edge.b}) {
+            Choice& best = choice[end];
+            if (edge.cost < best.cost ||
+                (edge.cost == best.cost && best.edge != kNoEdge && cheaper(edge, graph.edge[best.edge])))
+                best = {edge.cost, e};
+        }
     }
 }
 
 // Edges that both ends would choose. A cluster is in at most one of them, so that they are independent.
-std::vector<std::uint32_t> mutual_choices(const ClusterGraph& graph, const std::vector<std::uint32_t>& best)
+std::vector<std::uint32_t> mutual_choices(const ClusterGraph& graph, const std::vector<Choice>& choice)
 {
     std::vector<std::uint32_t> chosen;
     for (std::uint32_t e = 0; e < graph.edge.size(); ++e)
-        if (best[graph.edge[e].a] == e && best[graph.edge[e].b] == e) chosen.push_back(e);
+        if (choice[graph.edge[e].a].edge == e && choice[graph.edge[e].b].edge == e) chosen.push_back(e);
     return chosen;
 }
 
@@ -46,19 +55,20 @@ void keep_cheaper_half(const ClusterGraph& graph, std::vector<std::uint32_t>& ed
 void merge_in_rounds(ClusterGraph& graph, std::size_t stop_count)
 {
     const std::size_t few = graph.face_cluster.size() / kFewFaces;
-    std::vector<std::uint32_t> best;
+    std::vector<Choice> choice;
+    EdgeBuffers buffers;
     std::vector<std::uint8_t> changed;
     while (graph.count > stop_count) {
         evaluate_costs(graph);
-        find_best_edges(graph, best);
-        std::vector<std::uint32_t> chosen = mutual_choices(graph, best);
+        find_choices(graph, choice);
+        std::vector<std::uint32_t> chosen = mutual_choices(graph, choice);
         if (graph.count <= few) keep_cheaper_half(graph, chosen);
         changed.assign(graph.cluster.size(), 0);
         for (const std::uint32_t e : chosen) {
             join(graph, graph.edge[e].a, graph.edge[e].b);
             changed[graph.edge[e].a] = 1;
         }
-        compact(graph, changed);
+        compact(graph, changed, buffers);
         if (chosen.size() * kWorthwhile < graph.count) break;
     }
 }
