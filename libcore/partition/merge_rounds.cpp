@@ -36,8 +36,10 @@ void find_choices(const ClusterGraph& graph, std::vector<Choice>& choice)
 std::vector<std::uint32_t> mutual_choices(const ClusterGraph& graph, const std::vector<Choice>& choice)
 {
     std::vector<std::uint32_t> chosen;
-    for (std::uint32_t e = 0; e < graph.edge.size(); ++e)
-        if (choice[graph.edge[e].a].edge == e && choice[graph.edge[e].b].edge == e) chosen.push_back(e);
+    for (ClusterId c = 0; c < choice.size(); ++c) {
+        const std::uint32_t e = choice[c].edge;
+        if (e != kNoEdge && graph.edge[e].a == c && choice[graph.edge[e].b].edge == e) chosen.push_back(e);
+    }
     return chosen;
 }
 
