@@ -153,6 +153,15 @@ void sum_faces(const TriangleMesh& mesh, std::size_t first, ClusterGraph& graph)
         kClusterGrain);
 }
 
+// A block keeps what is left of it; the memory of its single faces serves the next one.
+void release_spare(ClusterGraph& block)
+{
+    block.cluster.shrink_to_fit();
+    block.edge.shrink_to_fit();
+    block.parent.clear();
+    block.parent.shrink_to_fit();
+}
+
 // Blocks one behind the other; edges between them are still missing. Empties the blocks.
 ClusterGraph concatenated(std::vector<ClusterGraph>& blocks)
 {
@@ -208,6 +217,7 @@ ClusterGraph clusters_of_blocks(const TriangleMesh& mesh, const std::vector<std:
         blocks[b].limits = limits;
         sum_faces(mesh, range.first, blocks[b]);
         grow(blocks[b]);
+        release_spare(blocks[b]);
     });
     ClusterGraph graph = concatenated(blocks);
     add_edges_between_blocks(opposite, graph);
