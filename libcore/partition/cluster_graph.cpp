@@ -104,8 +104,8 @@ bool parts_fit(const Moments& a, const Moments& b, const Moments& sum, const Inv
 {
     const double max_variance = max_error * max_error;
     const double smaller = std::min(a.area, b.area);
-    if (i.most_variance() * sum.area <= max_variance * smaller) return true;
-    if (i.least_variance() > max_variance) return false;
+    if (i.variance_is_below(max_variance * smaller / sum.area)) return true;
+    if (i.variance_is_above(max_variance)) return false;
     const double variance = smallest_eigenvalue(sum.central()) / sum.area;
     if (variance > max_variance) return false;
     if (variance * sum.area <= max_variance * smaller) return true;
@@ -138,10 +138,11 @@ ClusterGraph clusters_of_range(const std::vector<std::uint32_t>& opposite, FaceR
     std::iota(graph.parent.begin(), graph.parent.end(), 0u);
     graph.face_cluster = graph.parent;
     graph.edge.reserve(3 * graph.count / 2);
-    for (std::size_t h = 3 * range.first; h < 3 * range.last; ++h)
-        if (const std::uint32_t o = opposite[h]; is_half_edge(o) && h < o && o / 3 < range.last)
-            add_edge(graph.edge, static_cast<ClusterId>(h / 3 - range.first),
-                     static_cast<ClusterId>(o / 3 - range.first));
+    for (std::size_t f = range.first; f < range.last; ++f)
+        for (std::size_t h = 3 * f; h < 3 * f + 3; ++h)
+            if (const std::uint32_t o = opposite[h]; h < o && o < 3 * range.last)
+                add_edge(graph.edge, static_cast<ClusterId>(f - range.first),
+                         static_cast<ClusterId>(o / 3 - range.first));
     return graph;
 }
 
@@ -163,21 +164,25 @@ void release_spare(ClusterGraph& block)
 }
 
 // Blocks one behind the other; edges between them are still missing. Empties the blocks.
-ClusterGraph concatenated(std::vector<ClusterGraph>& blocks)
+ClusterGraph concatenated(std::vector<ClusterGraph>& blocks, std::size_t faces)
 {
     ClusterGraph graph;
     graph.origin = blocks.front().origin;
     graph.limits = blocks.front().limits;
+    graph.face_cluster.resize(faces);
+    std::vector<ClusterId> offset;
     for (auto& block : blocks) {
-        const auto offset = static_cast<ClusterId>(graph.count);
+        offset.push_back(static_cast<ClusterId>(graph.count));
         graph.cluster.insert(graph.cluster.end(), block.cluster.begin(), block.cluster.end());
         for (const auto& edge : block.edge)
-            graph.edge.push_back({edge.a + offset, edge.b + offset, edge.cost});
-        for (const ClusterId c : block.face_cluster)
-            graph.face_cluster.push_back(c + offset);
+            graph.edge.push_back({edge.a + offset.back(), edge.b + offset.back(), edge.cost});
         graph.count += block.count;
-        block = {};
     }
+    parallel_for(blocks.size(), [&](std::size_t b) {
+        for (std::size_t i = 0; i < blocks[b].face_cluster.size(); ++i)
+            graph.face_cluster[b * kBlockFaces + i] = offset[b] + blocks[b].face_cluster[i];
+        blocks[b] = {};
+    });
     graph.parent.resize(graph.count);
     std::iota(graph.parent.begin(), graph.parent.end(), 0u);
     return graph;
@@ -185,9 +190,21 @@ ClusterGraph concatenated(std::vector<ClusterGraph>& blocks)
 
 void add_edges_between_blocks(const std::vector<std::uint32_t>& opposite, ClusterGraph& graph)
 {
-    for (std::size_t h = 0; h < opposite.size(); ++h)
-        if (const std::uint32_t o = opposite[h]; is_half_edge(o) && h / 3 / kBlockFaces < o / 3 / kBlockFaces)
-            add_edge(graph.edge, graph.face_cluster[h / 3], graph.face_cluster[o / 3]);
+    const auto edges_out_of = [&](std::size_t begin, std::size_t end) {
+        std::vector<ClusterEdge> edges;
+        for (std::size_t f = begin; f < end; ++f)
+            for (std::size_t h = 3 * f; h < 3 * f + 3; ++h)
+                if (const std::uint32_t o = opposite[h]; o >= 3 * end && is_half_edge(o))
+                    add_edge(edges, graph.face_cluster[f], graph.face_cluster[o / 3]);
+        return edges;
+    };
+    const auto append = [](std::vector<ClusterEdge> all, const std::vector<ClusterEdge>& more) {
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    };
+    const auto edges =
+        parallel_reduce(graph.face_cluster.size(), kBlockFaces, std::vector<ClusterEdge>(), edges_out_of, append);
+    graph.edge.insert(graph.edge.end(), edges.begin(), edges.end());
 }
 
 } // namespace
@@ -219,7 +236,7 @@ ClusterGraph clusters_of_blocks(const TriangleMesh& mesh, const std::vector<std:
         grow(blocks[b]);
         release_spare(blocks[b]);
     });
-    ClusterGraph graph = concatenated(blocks);
+    ClusterGraph graph = concatenated(blocks, mesh.face.size());
     add_edges_between_blocks(opposite, graph);
     add_fans(mesh, opposite, graph);
     EdgeBuffers buffers;
@@ -279,12 +296,13 @@ void compact(ClusterGraph& graph, const std::vector<std::uint8_t>& changed, Edge
     const auto number = [&](ClusterId c) { return id[graph.parent[c]]; };
     for (ClusterId& c : graph.face_cluster)
         c = number(c);
-    auto kept = graph.edge.begin();
-    for (const ClusterEdge& edge : graph.edge) {
+    std::size_t kept = 0;
+    for (const ClusterEdge edge : graph.edge) { // without branches, which nobody could predict
         const ClusterId a = number(edge.a), b = number(edge.b);
-        if (a != b) *kept++ = {std::min(a, b), std::max(a, b), renewed[a] || renewed[b] ? kUnknownCost : edge.cost};
+        graph.edge[kept] = {std::min(a, b), std::max(a, b), (renewed[a] | renewed[b]) != 0 ? kUnknownCost : edge.cost};
+        kept += a != b;
     }
-    graph.edge.erase(kept, graph.edge.end());
+    graph.edge.resize(kept);
     drop_doubles(graph.edge, graph.count, buffers);
     graph.parent.resize(graph.count);
     std::iota(graph.parent.begin(), graph.parent.end(), 0u);

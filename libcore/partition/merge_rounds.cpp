@@ -17,17 +17,17 @@ struct Choice {
     std::uint32_t edge = kNoEdge;
 };
 
-// The cheapest edge of every cluster.
+// The cheapest edge of every cluster. Without branches but for ties: nobody could predict them.
 void find_choices(const ClusterGraph& graph, std::vector<Choice>& choice)
 {
     choice.assign(graph.cluster.size(), {});
     for (std::uint32_t e = 0; e < graph.edge.size(); ++e) {
         const ClusterEdge& edge = graph.edge[e];
         for (const ClusterId end : {edge.a, edge.b}) {
-            Choice& best = choice[end];
-            if (edge.cost < best.cost ||
-                (edge.cost == best.cost && best.edge != kNoEdge && cheaper(edge, graph.edge[best.edge])))
-                best = {edge.cost, e};
+            const Choice best = choice[end];
+            bool better = edge.cost < best.cost;
+            if (edge.cost == best.cost && best.edge != kNoEdge) better = cheaper(edge, graph.edge[best.edge]);
+            choice[end] = {better ? edge.cost : best.cost, better ? e : best.edge};
         }
     }
 }
