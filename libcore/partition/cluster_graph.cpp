@@ -57,11 +57,10 @@ void add_fans(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposi
 void drop_doubles(std::vector<ClusterEdge>& edges, std::size_t clusters, EdgeBuffers& buffers)
 {
     auto& [next, met, sorted] = buffers;
-    next.assign(clusters + 1, 0);
+    next.assign(clusters, 0);
     for (const auto& edge : edges)
-        ++next[edge.a + 1];
-    for (std::size_t c = 0; c < clusters; ++c)
-        next[c + 1] += next[c];
+        ++next[edge.a];
+    std::exclusive_scan(next.begin(), next.end(), next.begin(), 0u);
     sorted.resize(std::max(sorted.size(), edges.size()));
     for (const auto& edge : edges)
         sorted[next[edge.a]++] = edge;

@@ -39,7 +39,7 @@ struct ClusterGraph {
     MergeLimits limits;
     std::vector<Cluster> cluster;        // C; roots count
     std::vector<ClusterId> parent;       // C; leads to the root
-    std::vector<ClusterEdge> edge;       // neighbouring roots, each pair once
+    std::vector<ClusterEdge> edge;       // neighbouring roots, each pair once, in the order of their first ends
     std::vector<ClusterId> face_cluster; // F; a cluster that is or became a part of the face's cluster
     std::size_t count = 0;               // clusters left
 };

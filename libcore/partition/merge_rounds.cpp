@@ -1,6 +1,7 @@
 #include "partition/merge_rounds.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace quoin {
 namespace {
@@ -17,18 +18,29 @@ struct Choice {
     std::uint32_t edge = kNoEdge;
 };
 
-// The cheapest edge of every cluster. Without branches but for ties: nobody could predict them.
-void find_choices(const ClusterGraph& graph, std::vector<Choice>& choice)
+// Without branches but for ties: nobody could predict them.
+Choice better(const Choice& best, const ClusterGraph& graph, std::uint32_t e)
+{
+    const double cost = graph.edge[e].cost;
+    bool cheaper_one = cost < best.cost;
+    if (cost == best.cost && best.edge != kNoEdge) cheaper_one = cheaper(graph.edge[e], graph.edge[best.edge]);
+    return {cheaper_one ? cost : best.cost, cheaper_one ? e : best.edge};
+}
+
+// The cheapest edge of every cluster; finds the costs that are unknown. Edges are in the order of their first ends.
+void find_choices(ClusterGraph& graph, std::vector<Choice>& choice)
 {
     choice.assign(graph.cluster.size(), {});
-    for (std::uint32_t e = 0; e < graph.edge.size(); ++e) {
-        const ClusterEdge& edge = graph.edge[e];
-        for (const ClusterId end : {edge.a, edge.b}) {
-            const Choice best = choice[end];
-            bool better = edge.cost < best.cost;
-            if (edge.cost == best.cost && best.edge != kNoEdge) better = cheaper(edge, graph.edge[best.edge]);
-            choice[end] = {better ? edge.cost : best.cost, better ? e : best.edge};
+    for (std::uint32_t e = 0; e < graph.edge.size();) {
+        const ClusterId a = graph.edge[e].a;
+        Choice best = choice[a];
+        for (; e < graph.edge.size() && graph.edge[e].a == a; ++e) {
+            ClusterEdge& edge = graph.edge[e];
+            if (std::isnan(edge.cost)) edge.cost = merge_cost(graph, a, edge.b);
+            best = better(best, graph, e);
+            choice[edge.b] = better(choice[edge.b], graph, e);
         }
+        choice[a] = best;
     }
 }
 
@@ -61,7 +73,6 @@ void merge_in_rounds(ClusterGraph& graph, std::size_t stop_count)
     EdgeBuffers buffers;
     std::vector<std::uint8_t> changed;
     while (graph.count > stop_count) {
-        evaluate_costs(graph);
         find_choices(graph, choice);
         std::vector<std::uint32_t> chosen = mutual_choices(graph, choice);
         if (graph.count <= few) keep_cheaper_half(graph, chosen);
