@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 
 namespace quoin {
@@ -52,8 +53,8 @@ public:
             batch.swap(queue_);
             queue_.clear();
             batch.resize(std::min(batch.size(), budget));
-            for (const FaceId f : promising(batch))
-                try_move(f);
+            for (const auto& [f, to] : promising(batch))
+                try_move(f, to);
             budget -= batch.size();
             progress.step(batch.size());
         }
@@ -82,47 +83,58 @@ private:
         return region;
     }
 
-    // The faces of a list for which keep(face) holds, in its order.
-    template <class FaceAt, class Keep>
-    static std::vector<FaceId> filtered(std::size_t count, const FaceAt& face_at, const Keep& keep)
+    struct Candidate {
+        FaceId face;
+        std::uint32_t to;
+    };
+
+    // What pick(i) gives for the items where it gives something, in their order.
+    template <class Picked, class Pick>
+    static std::vector<Picked> picked(std::size_t count, const Pick& pick)
     {
-        const auto kept_of = [&](std::size_t begin, std::size_t end) {
-            std::vector<FaceId> kept;
+        const auto picked_of = [&](std::size_t begin, std::size_t end) {
+            std::vector<Picked> some;
             for (std::size_t i = begin; i < end; ++i)
-                if (keep(face_at(i))) kept.push_back(face_at(i));
-            return kept;
+                if (const std::optional<Picked> one = pick(i)) some.push_back(*one);
+            return some;
         };
-        const auto append = [](std::vector<FaceId> all, const std::vector<FaceId>& more) {
+        const auto append = [](std::vector<Picked> all, const std::vector<Picked>& more) {
             all.insert(all.end(), more.begin(), more.end());
             return all;
         };
-        return parallel_reduce(count, kRefineGrain, std::vector<FaceId>(), kept_of, append);
+        return parallel_reduce(count, kRefineGrain, std::vector<Picked>(), picked_of, append);
     }
 
     std::vector<FaceId> border_faces()
     {
-        const auto faces = filtered(
-            label_.size(), [](std::size_t i) { return static_cast<FaceId>(i); },
-            [&](FaceId f) { return on_border(f); });
+        const auto faces = picked<FaceId>(label_.size(), [&](std::size_t i) {
+            const auto f = static_cast<FaceId>(i);
+            return on_border(f) ? std::optional(f) : std::nullopt;
+        });
         for (const FaceId f : faces)
             queued_[f] = 1;
         return faces;
     }
 
-    std::vector<FaceId> promising(const std::vector<FaceId>& batch)
+    std::vector<Candidate> promising(const std::vector<FaceId>& batch)
     {
         for (const FaceId f : batch)
             queued_[f] = 0;
-        return filtered(
-            batch.size(), [&](std::size_t i) { return batch[i]; },
-            [&](FaceId f) { return regions_[label_[f]].faces > 1 && best_move(f).gain > 0.0; });
+        return picked<Candidate>(batch.size(), [&](std::size_t i) -> std::optional<Candidate> {
+            const FaceId f = batch[i];
+            if (regions_[label_[f]].faces < 2) return {};
+            const Move move = best_move(f);
+            return move.gain > 0.0 && stays_connected(f) ? std::optional(Candidate{f, move.to}) : std::nullopt;
+        });
     }
 
-    void try_move(FaceId f)
+    void try_move(FaceId f, std::uint32_t to)
     {
-        if (regions_[label_[f]].faces < 2) return;
-        const Move move = best_move(f);
-        if (move.gain > 0.0 && stays_connected(f) && acceptable(f, move.to)) apply(f, move.to);
+        if (regions_[label_[f]].faces < 2 || label_[f] == to || shared_length(f, to) == 0.0) return;
+        const Moments face = moments(f);
+        const Eigen::Vector3d facing = 0.5 * area_vector(mesh_, f);
+        const double gain = gain_of_leaving(f, face) + gain_of_joining(f, to, face);
+        if (gain > 0.0 && stays_connected(f) && acceptable(face, facing, to)) apply(f, to, face, facing);
     }
 
     bool on_border(FaceId f) const
@@ -155,21 +167,30 @@ private:
         return length;
     }
 
+    // How much the objective falls when a face leaves its region, and when it then joins another one [m^4].
+    double gain_of_leaving(FaceId f, const Moments& face) const
+    {
+        const RegionFit& source = regions_[label_[f]];
+        return source.energy - energy_of(source.sum - face, source.faces - 1) -
+               border_weight_ * shared_length(f, label_[f]);
+    }
+    double gain_of_joining(FaceId f, std::uint32_t to, const Moments& face) const
+    {
+        const RegionFit& target = regions_[to];
+        return target.energy - energy(target.sum + face) + border_weight_ * shared_length(f, to);
+    }
+
     Move best_move(FaceId f) const
     {
         const std::uint32_t from = label_[f];
-        const RegionFit& source = regions_[from];
         const Moments face = moments(f);
-        const double left = source.energy - energy_of(source.sum - face, source.faces - 1);
-        const double length_inside = shared_length(f, from);
+        const double left = gain_of_leaving(f, face);
         Move best{from, 0.0};
         for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h) {
             if (!is_half_edge(opposite_[h])) continue;
             const std::uint32_t to = label_[opposite_[h] / 3];
             if (to == from || (to == best.to && best.gain > 0.0)) continue;
-            const RegionFit& target = regions_[to];
-            const double shortened = shared_length(f, to) - length_inside;
-            const double gain = left + target.energy - energy(target.sum + face) + border_weight_ * shortened;
+            const double gain = left + gain_of_joining(f, to, face);
             if (gain > best.gain || (gain == best.gain && gain > 0.0 && to < best.to)) best = {to, gain};
         }
         return best;
@@ -217,21 +238,20 @@ private:
         return mesh_.face[h / 3][k] == v ? base + (k + 2) % 3 : base + (k + 1) % 3;
     }
 
-    bool acceptable(FaceId f, std::uint32_t to) const
+    bool acceptable(const Moments& face, const Eigen::Vector3d& face_facing, std::uint32_t to) const
     {
         const RegionFit& target = regions_[to];
-        const Moments sum = target.sum + moments(f);
-        const Eigen::Vector3d face = 0.5 * area_vector(mesh_, f), facing = target.facing + face;
+        const Moments sum = target.sum + face;
+        const Eigen::Vector3d facing = target.facing + face_facing;
         if (facing.norm() < limits_.min_facing * sum.area) return false;
-        if (face.dot(facing) < limits_.min_part_cosine * face.norm() * facing.norm()) return false;
+        if (face_facing.dot(facing) < limits_.min_part_cosine * face_facing.norm() * facing.norm()) return false;
         if (!std::isfinite(limits_.max_error)) return true;
+        if (invariants(sum).variance_is_below(limits_.max_error * limits_.max_error)) return true;
         return rms_to_fit(sum) <= std::max(limits_.max_error, rms_to_fit(target.sum));
     }
 
-    void apply(FaceId f, std::uint32_t to)
+    void apply(FaceId f, std::uint32_t to, const Moments& face, const Eigen::Vector3d& facing)
     {
-        const Moments face = moments(f);
-        const Eigen::Vector3d facing = 0.5 * area_vector(mesh_, f);
         RegionFit &source = regions_[label_[f]], &target = regions_[to];
         source.sum -= face;
         source.facing -= facing;
