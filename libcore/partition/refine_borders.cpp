@@ -15,7 +15,7 @@
 namespace quoin {
 namespace {
 
-constexpr std::size_t kRefineGrain = 1 << 13;
+constexpr std::size_t kRefineGrain = 1 << 10;
 
 struct RegionFit {
     Moments sum; // about the mesh's centre
