@@ -9,13 +9,13 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <span>
 
 namespace quoin {
 namespace {
 
-constexpr std::size_t kRefineGrain = 1 << 10;
+constexpr std::size_t kMeasureGrain = 1 << 13; // [faces]
+constexpr std::size_t kBatchGrain = 1 << 10;
 
 struct RegionFit {
     Moments sum; // about the mesh's centre
@@ -35,15 +35,15 @@ public:
             std::vector<std::uint32_t>& label)
         : mesh_(mesh), opposite_(opposite), limits_(limits), label_(label),
           border_weight_(border_weight(mesh, limits.border_distance)), origin_(corner(mesh, 0, 0)),
-          regions_(1 + *std::max_element(label.begin(), label.end())), queued_(label.size(), 0)
+          regions_(1 + *std::max_element(label.begin(), label.end())), place_(label.size(), Place::Out)
     {
         const GroupedFaces groups = group_faces(label, regions_.size());
         parallel_for(regions_.size(), [&](std::size_t r) { regions_[r] = sum_of(groups.of(r)); });
         queue_ = border_faces();
     }
 
-    // Gains of all faces in the queue are found at once, from the sums of the moment, and those that promise something
-    // are looked at again one by one.
+    // Gains of all faces in the queue are found at once, from the sums of the moment; those that promise something, or
+    // whose neighbours have moved meanwhile, are then looked at again one by one.
     void run()
     {
         auto budget = static_cast<std::size_t>(limits_.rounds * static_cast<double>(queue_.size()));
@@ -53,8 +53,12 @@ public:
             batch.swap(queue_);
             queue_.clear();
             batch.resize(std::min(batch.size(), budget));
-            for (const auto& [f, to] : promising(batch))
-                try_move(f, to);
+            mark_promising(batch);
+            for (const FaceId f : batch) {
+                const bool is_worth_a_look = place_[f] == Place::Promising;
+                place_[f] = Place::Out;
+                if (is_worth_a_look) try_move(f);
+            }
             budget -= batch.size();
             progress.step(batch.size());
         }
@@ -62,6 +66,8 @@ public:
     }
 
 private:
+    enum class Place : std::uint8_t { Out, Next, Waiting, Promising }; // out, in queue_, in the batch
+
     double energy(const Moments& sum) const { return pca_energy(sum, limits_.flat_variance); }
     Moments moments(FaceId f) const
     {
@@ -83,58 +89,44 @@ private:
         return region;
     }
 
-    struct Candidate {
-        FaceId face;
-        std::uint32_t to;
-    };
-
-    // What pick(i) gives for the items where it gives something, in their order.
-    template <class Picked, class Pick>
-    static std::vector<Picked> picked(std::size_t count, const Pick& pick)
+    std::vector<FaceId> border_faces()
     {
-        const auto picked_of = [&](std::size_t begin, std::size_t end) {
-            std::vector<Picked> some;
-            for (std::size_t i = begin; i < end; ++i)
-                if (const std::optional<Picked> one = pick(i)) some.push_back(*one);
-            return some;
+        const auto found_in = [&](std::size_t begin, std::size_t end) {
+            std::vector<FaceId> found;
+            for (std::size_t f = begin; f < end; ++f)
+                if (on_border(static_cast<FaceId>(f))) found.push_back(static_cast<FaceId>(f));
+            return found;
         };
-        const auto append = [](std::vector<Picked> all, const std::vector<Picked>& more) {
+        const auto append = [](std::vector<FaceId> all, const std::vector<FaceId>& more) {
             all.insert(all.end(), more.begin(), more.end());
             return all;
         };
-        return parallel_reduce(count, kRefineGrain, std::vector<Picked>(), picked_of, append);
-    }
-
-    std::vector<FaceId> border_faces()
-    {
-        const auto faces = picked<FaceId>(label_.size(), [&](std::size_t i) {
-            const auto f = static_cast<FaceId>(i);
-            return on_border(f) ? std::optional(f) : std::nullopt;
-        });
+        const auto faces = parallel_reduce(label_.size(), kMeasureGrain, std::vector<FaceId>(), found_in, append);
         for (const FaceId f : faces)
-            queued_[f] = 1;
+            place_[f] = Place::Next;
         return faces;
     }
 
-    std::vector<Candidate> promising(const std::vector<FaceId>& batch)
+    void mark_promising(const std::vector<FaceId>& batch)
     {
-        for (const FaceId f : batch)
-            queued_[f] = 0;
-        return picked<Candidate>(batch.size(), [&](std::size_t i) -> std::optional<Candidate> {
-            const FaceId f = batch[i];
-            if (regions_[label_[f]].faces < 2) return {};
-            const Move move = best_move(f);
-            return move.gain > 0.0 && stays_connected(f) ? std::optional(Candidate{f, move.to}) : std::nullopt;
-        });
+        parallel_for(
+            batch.size(),
+            [&](std::size_t i) {
+                const FaceId f = batch[i];
+                const bool gains = regions_[label_[f]].faces > 1 && best_move(f, moments(f)).gain > 0.0;
+                place_[f] = gains ? Place::Promising : Place::Waiting;
+            },
+            kBatchGrain);
     }
 
-    void try_move(FaceId f, std::uint32_t to)
+    void try_move(FaceId f)
     {
-        if (regions_[label_[f]].faces < 2 || label_[f] == to || shared_length(f, to) == 0.0) return;
+        if (regions_[label_[f]].faces < 2) return;
         const Moments face = moments(f);
+        const Move move = best_move(f, face);
+        if (!(move.gain > 0.0) || !stays_connected(f)) return;
         const Eigen::Vector3d facing = 0.5 * area_vector(mesh_, f);
-        const double gain = gain_of_leaving(f, face) + gain_of_joining(f, to, face);
-        if (gain > 0.0 && stays_connected(f) && acceptable(face, facing, to)) apply(f, to, face, facing);
+        if (acceptable(face, facing, move.to)) apply(f, move.to, face, facing);
     }
 
     bool on_border(FaceId f) const
@@ -144,10 +136,12 @@ private:
         return false;
     }
 
+    // A face that waits in the present batch is looked at when its turn comes.
     void enqueue(FaceId f)
     {
-        if (queued_[f]) return;
-        queued_[f] = 1;
+        if (place_[f] == Place::Waiting) place_[f] = Place::Promising;
+        if (place_[f] != Place::Out) return;
+        place_[f] = Place::Next;
         queue_.push_back(f);
     }
 
@@ -180,10 +174,9 @@ private:
         return target.energy - energy(target.sum + face) + border_weight_ * shared_length(f, to);
     }
 
-    Move best_move(FaceId f) const
+    Move best_move(FaceId f, const Moments& face) const
     {
         const std::uint32_t from = label_[f];
-        const Moments face = moments(f);
         const double left = gain_of_leaving(f, face);
         Move best{from, 0.0};
         for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h) {
@@ -273,7 +266,7 @@ private:
     Eigen::Vector3d origin_;
     std::vector<RegionFit> regions_;
     std::vector<FaceId> queue_;
-    std::vector<std::uint8_t> queued_;
+    std::vector<Place> place_;
 };
 
 } // namespace
@@ -292,7 +285,7 @@ double border_weight(const TriangleMesh& mesh, double border_distance)
         return sum;
     };
     const Eigen::Vector2d sum =
-        parallel_reduce(mesh.face.size(), kRefineGrain, Eigen::Vector2d(0.0, 0.0), measure,
+        parallel_reduce(mesh.face.size(), kMeasureGrain, Eigen::Vector2d(0.0, 0.0), measure,
                         [](const Eigen::Vector2d& x, const Eigen::Vector2d& y) -> Eigen::Vector2d { return x + y; });
     const double area = sum[0], length = sum[1];
     if (length <= 0.0) return 0.0;
