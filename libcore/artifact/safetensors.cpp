@@ -26,7 +26,6 @@ using Json = nlohmann::json;
 namespace fs = std::filesystem;
 constexpr std::uint64_t kMaxHeader = 100'000'000; // the format's own limit
 constexpr std::size_t kAlignment = 64;
-constexpr std::size_t kPayloadDigits = 64;
 
 // The file's parts, before any tensor is looked at.
 struct Parsed {
@@ -168,22 +167,14 @@ std::uint64_t data_end(const Json& header)
     return end;
 }
 
-Json checksums_of(const Artifact& artifact)
+// The JSON header, padded so that the tensors behind it are aligned.
+std::string header_text(const Artifact& artifact)
 {
     const auto names = file_order(artifact.tensors);
     std::vector<std::string> sums(names.size());
     parallel_for(names.size(), [&](std::size_t i) { sums[i] = checksum_hex(artifact.tensors.at(names[i]).bytes); });
-    Json checksums = Json::object();
-    for (std::size_t i = 0; i < names.size(); ++i)
-        checksums[names[i]] = sums[i];
-    return checksums;
-}
 
-// The JSON header, padded so that the tensors behind it are aligned.
-std::string header_text(const Artifact& artifact, const Json& checksums, const std::string& payload)
-{
-    const auto names = file_order(artifact.tensors);
-    Json header = Json::object();
+    Json header = Json::object(), checksums = Json::object();
     std::uint64_t offset = 0;
     for (std::size_t i = 0; i < names.size(); ++i) {
         const Tensor& tensor = artifact.tensors.at(names[i]);
@@ -191,22 +182,18 @@ std::string header_text(const Artifact& artifact, const Json& checksums, const s
                             {"shape", tensor.shape},
                             {"data_offsets", {offset, offset + tensor.bytes.size()}}};
         offset += tensor.bytes.size();
+        checksums[names[i]] = sums[i];
     }
     Json metadata = artifact.metadata;
     metadata["quoin.schema"] = artifact.schema;
     metadata["quoin.schema_version"] = std::to_string(artifact.schema_version);
-    metadata["quoin.payload"] = payload;
+    if (!artifact.metadata.contains("quoin.payload")) metadata["quoin.payload"] = artifact.payload();
     metadata["quoin.checksums"] = checksums.dump();
     header["__metadata__"] = std::move(metadata);
 
     std::string text = header.dump();
     text.resize((text.size() + 8 + kAlignment - 1) / kAlignment * kAlignment - 8, ' ');
     return text;
-}
-
-void seek(int descriptor, std::uint64_t offset, const fs::path& path)
-{
-    if (::lseek(descriptor, static_cast<off_t>(offset), SEEK_SET) < 0) fail_writing(path, "cannot write", errno);
 }
 
 } // namespace
@@ -275,36 +262,24 @@ bool is_complete_artifact(const fs::path& path)
     }
 }
 
-std::string write_artifact_in_place(const fs::path& temporary, const Artifact& artifact, const fs::path& path)
+void write_artifact_in_place(const fs::path& temporary, const Artifact& artifact, const fs::path& path)
 {
-    const Json checksums = checksums_of(artifact);
-    std::string payload(kPayloadDigits, '0'); // until it is known
-    const auto length = static_cast<std::uint64_t>(header_text(artifact, checksums, payload).size());
+    const std::string text = header_text(artifact);
+    const auto length = static_cast<std::uint64_t>(text.size());
     const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
     if (descriptor < 0) fail_writing(path, "cannot write", errno, "name an existing folder that you may write to");
     const std::shared_ptr<const int> closer(&descriptor, [](const int* d) { ::close(*d); });
-    seek(descriptor, sizeof(length) + length, path);
-    parallel_for(2, [&](std::size_t task) { // the payload takes as long as the file: the header comes last
-        if (task == 0) payload = artifact.payload();
-        if (task == 1)
-            for (const auto& name : file_order(artifact.tensors))
-                write_all(descriptor, artifact.tensors.at(name).bytes, path);
-    });
-    fail_point("artifact_half_written", path);
-    seek(descriptor, 0, path);
     write_all(descriptor, std::as_bytes(std::span(&length, 1)), path);
-    const std::string text = header_text(artifact, checksums, payload);
     write_all(descriptor, std::as_bytes(std::span(text)), path);
+    fail_point("artifact_half_written", path);
+    for (const auto& name : file_order(artifact.tensors))
+        write_all(descriptor, artifact.tensors.at(name).bytes, path);
     sync_file(temporary);
-    return payload;
 }
 
-std::string write_artifact(const fs::path& path, const Artifact& artifact)
+void write_artifact(const fs::path& path, const Artifact& artifact)
 {
-    std::string payload;
-    write_atomically(path,
-                     [&](const fs::path& temporary) { payload = write_artifact_in_place(temporary, artifact, path); });
-    return payload;
+    write_atomically(path, [&](const fs::path& temporary) { write_artifact_in_place(temporary, artifact, path); });
 }
 
 } // namespace quoin
