@@ -14,7 +14,7 @@ int main(int argc, char** argv)
             {{"mesh",
               "the dense mesh; degenerate and duplicate faces may be there, positions that are not finite may not"}},
         .outputs = {{"plane_mesh", "the same faces, each with its cluster"}},
-        .resources = {.memory = "bytes(mesh) * 6 + 200M"},
+        .resources = {.memory = "bytes(mesh) * 16 + 200M"},
     };
     return run_stage<PartitionParams>(stage, argc, argv, [](const StageRun& run, const PartitionParams& params) {
         run.write("plane_mesh", partition(read_mesh(run.in("mesh")), params));
