@@ -1,20 +1,12 @@
 #include "geometry/moments.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 namespace quoin {
 namespace {
-
-Eigen::Matrix<double, 6, 1> packed_outer(const Eigen::Vector3d& a, const Eigen::Vector3d& b)
-{
-    Eigen::Matrix<double, 6, 1> s;
-    s << a.x() * b.x(), a.x() * b.y(), a.x() * b.z(), a.y() * b.y(), a.y() * b.z(), a.z() * b.z();
-    return s;
-}
 
 Eigen::Matrix3d unpacked(const Eigen::Matrix<double, 6, 1>& s)
 {
@@ -44,17 +36,6 @@ Moments Moments::translated(const Eigen::Vector3d& shift) const
     moved.second[4] += cross(1, 2);
     moved.second[5] += cross(2, 2);
     return moved;
-}
-
-Moments triangle_moments(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c)
-{
-    Moments moments;
-    moments.area = 0.5 * (b - a).cross(c - a).norm();
-    const Eigen::Vector3d sum = a + b + c;
-    moments.first = moments.area / 3.0 * sum;
-    moments.second =
-        moments.area / 12.0 * (packed_outer(a, a) + packed_outer(b, b) + packed_outer(c, c) + packed_outer(sum, sum));
-    return moments;
 }
 
 double smallest_eigenvalue(const Eigen::Matrix3d& matrix)

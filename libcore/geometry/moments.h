@@ -6,6 +6,7 @@
 #include "geometry/plane.h"
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 
 namespace quoin {
 
@@ -38,8 +39,18 @@ struct Moments {
     Moments translated(const Eigen::Vector3d& shift) const;
 };
 
-// Exact moments of the triangle a b c.
-Moments triangle_moments(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c);
+// Exact moments of the triangle a b c. Inline, for it is called for every face.
+inline Moments triangle_moments(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c)
+{
+    Moments moments;
+    moments.area = 0.5 * (b - a).cross(c - a).norm();
+    const Eigen::Vector3d s = a + b + c;
+    moments.first = moments.area / 3.0 * s;
+    const double w = moments.area / 12.0;
+    const auto product = [&](int i, int j) { return w * (a[i] * a[j] + b[i] * b[j] + c[i] * c[j] + s[i] * s[j]); };
+    moments.second << product(0, 0), product(0, 1), product(0, 2), product(1, 1), product(1, 2), product(2, 2);
+    return moments;
+}
 
 // Least-squares plane (eigenvector of the smallest eigenvalue of the central moments, through the centroid). The sign
 // of the normal is arbitrary. A set without area gives the plane z = 0 through its centroid.

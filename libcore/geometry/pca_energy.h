@@ -17,9 +17,10 @@ struct Invariants {
     double minors = 0.0; // l1 l2 + l2 l3 + l3 l1 [m^8]
     double det = 0.0;    // l1 l2 l3 [m^12]
 
-    // Bounds of the variance across the least-squares plane, l3 / A [m^2]: det/minors <= l3 <= 3 det/minors.
-    double least_variance() const { return minors > 0.0 ? std::max(0.0, det / minors) / area : 0.0; }
-    double most_variance() const { return 3.0 * least_variance(); }
+    // Is the variance across the least-squares plane, l3 / A [m^2], certainly at most or certainly above a value?
+    // det/minors <= l3 <= 3 det/minors.
+    bool variance_is_below(double variance) const { return 3.0 * det <= variance * area * minors || minors <= 0.0; }
+    bool variance_is_above(double variance) const { return det > variance * area * minors && minors > 0.0; }
 };
 
 inline Invariants invariants(const Moments& m)
@@ -38,7 +39,7 @@ inline double pca_energy(const Invariants& i, double flat_variance)
 {
     constexpr double kFlatScale = 1e-20; // far below the energy of any cluster that is not flat
     if (i.area <= 0.0) return 0.0;
-    if (!(i.least_variance() > flat_variance)) return std::max(0.0, i.trace) * i.area * kFlatScale;
+    if (!i.variance_is_above(flat_variance)) return std::max(0.0, i.trace) * i.area * kFlatScale;
     const double area2 = i.area * i.area;
     return i.det / (area2 * area2);
 }

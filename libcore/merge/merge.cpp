@@ -2,6 +2,7 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/parallel.h"
 #include "base/progress.h"
 #include "merge/neighbour_graph.h"
 #include "mesh/plane_fit.h"
@@ -20,6 +21,8 @@
 namespace quoin {
 namespace {
 
+constexpr std::size_t kMergeGrain = 1 << 16; // [faces]
+
 using Rule = std::function<std::optional<double>(PlaneId large, PlaneId small)>;
 
 struct Candidate {
@@ -34,13 +37,15 @@ struct Candidate {
 
 void check(const PlaneMesh& mesh)
 {
-    const bool sizes = mesh.face_plane.size() == mesh.mesh.face.size() && mesh.moments.size() == mesh.plane.size();
+    const bool sizes = mesh.face_plane.size() == mesh.mesh.face.size() && mesh.moments.size() == mesh.plane.size() &&
+                       mesh.vertex_class.size() == mesh.mesh.position.size();
     const bool ids = std::ranges::all_of(mesh.face_plane, [&](PlaneId p) { return p < mesh.plane.size(); });
     if (!sizes || !ids)
-        throw InputError(
-            fmt::format("plane_mesh: {} faces with {} plane ids, {} planes with {} moments: these do not fit together; "
-                        "run 'partition' again",
-                        mesh.mesh.face.size(), mesh.face_plane.size(), mesh.plane.size(), mesh.moments.size()));
+        throw InputError(fmt::format(
+            "plane_mesh: {} faces with {} plane ids, {} planes with {} moments, {} vertices with {} classes: "
+            "these do not fit together; run 'partition' again",
+            mesh.mesh.face.size(), mesh.face_plane.size(), mesh.plane.size(), mesh.moments.size(),
+            mesh.mesh.position.size(), mesh.vertex_class.size()));
 }
 
 double cosine_of(double degrees) { return std::cos(degrees * std::numbers::pi / 180.0); }
@@ -157,43 +162,65 @@ std::vector<PlaneId> renumber(const PlaneMesh& mesh, const std::vector<PlaneId>&
     return id;
 }
 
-PlaneMesh relabelled(const PlaneMesh& mesh, const NeighbourGraph& graph, const RobustFit& fit)
+// Planes that are joined of several clusters are fitted anew; the others stay what they are.
+std::vector<Plane> joined_planes(const PlaneMesh& mesh, const std::vector<PlaneId>& id, std::size_t count,
+                                 const RobustFit& fit)
+{
+    std::vector<std::uint32_t> parts(count, 0);
+    for (const PlaneId p : id)
+        if (p != kNoPlane) ++parts[p];
+    std::vector<PlaneId> joined(mesh.face_plane.size());
+    parallel_for(
+        joined.size(),
+        [&](std::size_t f) {
+            const PlaneId p = id[mesh.face_plane[f]];
+            joined[f] = parts[p] > 1 ? p : kNoPlane;
+        },
+        kMergeGrain);
+    std::vector<Plane> plane = fit_planes(mesh.mesh, joined, count, fit).plane;
+    for (PlaneId p = 0; p < id.size(); ++p)
+        if (id[p] != kNoPlane && parts[id[p]] == 1) plane[id[p]] = mesh.plane[p];
+    return plane;
+}
+
+void classify_anew(BorderStrip& strip, const std::vector<PlaneId>& id, std::vector<VertexClass>& classes)
+{
+    for (PlaneId& p : strip.face_plane)
+        p = id[p];
+    const auto strip_class = classify_vertices(strip.mesh, strip.face_plane, strip.opposite);
+    for (std::size_t v = 0; v < strip_class.size(); ++v)
+        classes[strip.vertex[v]] = strip_class[v];
+}
+
+PlaneMesh relabelled(PlaneMesh mesh, const NeighbourGraph& graph, BorderStrip strip, const RobustFit& fit)
 {
     std::size_t count = 0;
     const std::vector<PlaneId> id = renumber(mesh, graph.roots(), count);
-    PlaneMesh result;
-    result.mesh = mesh.mesh;
-    result.moments.resize(count);
-    std::vector<PlaneId> only_part(count, kNoPlane); // the cluster that a plane consists of, if it is one
-    std::vector<std::uint32_t> parts(count, 0);
-    for (PlaneId p = 0; p < id.size(); ++p) {
-        if (id[p] == kNoPlane) continue;
-        result.moments[id[p]] += mesh.moments[p];
-        only_part[id[p]] = p;
-        ++parts[id[p]];
-    }
-    result.face_plane.reserve(mesh.face_plane.size());
-    for (const PlaneId p : mesh.face_plane)
-        result.face_plane.push_back(id[p]);
-    result.plane = fit_planes(result.mesh, result.face_plane, count, fit);
-    for (std::size_t p = 0; p < count; ++p)
-        if (parts[p] == 1) result.plane[p] = mesh.plane[only_part[p]];
-    result.vertex_class = classify_vertices(result.mesh, result.face_plane);
-    return result;
+    std::vector<Moments> moments(count);
+    for (PlaneId p = 0; p < id.size(); ++p)
+        if (id[p] != kNoPlane) moments[id[p]] += mesh.moments[p];
+    mesh.plane = joined_planes(mesh, id, count, fit);
+    mesh.moments = std::move(moments);
+    parallel_for(
+        mesh.face_plane.size(), [&](std::size_t f) { mesh.face_plane[f] = id[mesh.face_plane[f]]; }, kMergeGrain);
+    classify_anew(strip, id, mesh.vertex_class);
+    return mesh;
 }
 
 } // namespace
 
-PlaneMesh merge_planes(const PlaneMesh& mesh, const MergeParams& params)
+PlaneMesh merge_planes(PlaneMesh mesh, const MergeParams& params)
 {
     check(mesh);
-    NeighbourGraph graph(mesh);
+    const std::size_t clusters = mesh.plane.size();
+    BorderStrip strip = border_strip(mesh);
+    NeighbourGraph graph(mesh, strip);
     if (params.angle_test || params.distance_test) join_by(plane_rule(graph, params), graph);
     if (params.energy_rule) join_by(energy_rule(graph, params), graph);
     if (params.island_rule) join_by(island_rule(graph, params), graph);
     if (params.absorb_rule) join_by(absorb_rule(graph, params), graph);
-    PlaneMesh result = relabelled(mesh, graph, {params.robust_rounds, params.tukey});
-    log_info(fmt::format("{} clusters are {} planes", mesh.plane.size(), result.plane.size()));
+    PlaneMesh result = relabelled(std::move(mesh), graph, std::move(strip), {params.robust_rounds, params.tukey});
+    log_info(fmt::format("{} clusters are {} planes", clusters, result.plane.size()));
     return result;
 }
 

@@ -80,7 +80,8 @@ struct MergeParams {
 // sums that follow every join: planes (angle and distance; the rules of Wang & Guo 2018), energy (their rule of 2019),
 // islands, tiny clusters. Normals are compared with their sign, so the two sides of a thin sheet stay apart. All faces
 // stay; planes are renumbered in the order of their first face; moments add; planes of joined clusters are fitted anew.
-// Throws InputError when the parts of `mesh` do not fit together.
-PlaneMesh merge_planes(const PlaneMesh& mesh, const MergeParams& params);
+// Borders are looked for among the vertices whose class is not Inner. Throws InputError when the parts of `mesh` do not
+// fit together.
+PlaneMesh merge_planes(PlaneMesh mesh, const MergeParams& params);
 
 } // namespace quoin

@@ -20,13 +20,13 @@ struct FanEdge {
     auto operator<=>(const FanEdge&) const = default;
 };
 
-std::vector<FanEdge> fans_of(const PlaneMesh& mesh, const std::vector<std::uint32_t>& opposite)
+std::vector<FanEdge> fans_of(const BorderStrip& strip)
 {
     std::vector<FanEdge> fans;
-    for (std::uint32_t h = 0; h < opposite.size(); ++h) {
-        if (opposite[h] != kNonManifoldEdge) continue;
-        const auto& face = mesh.mesh.face[h / 3];
-        fans.push_back({std::minmax({face[h % 3], face[(h % 3 + 1) % 3]}), mesh.face_plane[h / 3]});
+    for (std::uint32_t h = 0; h < strip.opposite.size(); ++h) {
+        if (strip.opposite[h] != kNonManifoldEdge) continue;
+        const auto& face = strip.mesh.face[h / 3];
+        fans.push_back({std::minmax({face[h % 3], face[(h % 3 + 1) % 3]}), strip.face_plane[h / 3]});
     }
     std::sort(fans.begin(), fans.end());
     fans.erase(std::unique(fans.begin(), fans.end()), fans.end());
@@ -40,7 +40,7 @@ double length_of(const TriangleMesh& mesh, VertexId a, VertexId b)
 
 } // namespace
 
-NeighbourGraph::NeighbourGraph(const PlaneMesh& mesh)
+NeighbourGraph::NeighbourGraph(const PlaneMesh& mesh, const BorderStrip& strip)
     : clusters_(mesh.plane.size()), borders_(mesh.plane.size()), parent_(mesh.plane.size())
 {
     Eigen::AlignedBox3d box;
@@ -55,29 +55,29 @@ NeighbourGraph::NeighbourGraph(const PlaneMesh& mesh)
         clusters_[p].facing = mesh.moments[p].area * mesh.plane[p].normal;
         refresh(clusters_[p]);
     }
-    add_borders(mesh);
+    add_borders(strip);
 }
 
-void NeighbourGraph::add_borders(const PlaneMesh& mesh)
+void NeighbourGraph::add_borders(const BorderStrip& strip)
 {
     const auto add = [&](PlaneId a, PlaneId b, double length) {
         if (a == b) return;
         borders_[a][b] += length;
         borders_[b][a] += length;
     };
-    const auto opposite = opposite_half_edges(mesh.mesh);
+    const auto& opposite = strip.opposite;
     for (std::uint32_t h = 0; h < opposite.size(); ++h) {
-        const auto& face = mesh.mesh.face[h / 3];
-        const double length = length_of(mesh.mesh, face[h % 3], face[(h % 3 + 1) % 3]);
+        const auto& face = strip.mesh.face[h / 3];
+        const double length = length_of(strip.mesh, face[h % 3], face[(h % 3 + 1) % 3]);
         if (opposite[h] == kBorderEdge)
-            clusters_[mesh.face_plane[h / 3]].mesh_border += length;
+            clusters_[strip.face_plane[h / 3]].mesh_border += length;
         else if (opposite[h] != kNonManifoldEdge && h < opposite[h])
-            add(mesh.face_plane[h / 3], mesh.face_plane[opposite[h] / 3], length);
+            add(strip.face_plane[h / 3], strip.face_plane[opposite[h] / 3], length);
     }
-    const auto fans = fans_of(mesh, opposite);
+    const auto fans = fans_of(strip);
     for (std::size_t i = 0; i < fans.size(); ++i)
         for (std::size_t j = i + 1; j < fans.size() && fans[j].vertices == fans[i].vertices; ++j)
-            add(fans[i].plane, fans[j].plane, length_of(mesh.mesh, fans[i].vertices.first, fans[i].vertices.second));
+            add(fans[i].plane, fans[j].plane, length_of(strip.mesh, fans[i].vertices.first, fans[i].vertices.second));
 }
 
 double NeighbourGraph::energy(const Moments& sum) const { return pca_energy(sum, flat_variance_); }

@@ -1,7 +1,7 @@
 // Clusters, the lengths of their common borders, and joins that cost O(1) in faces.
 #pragma once
 
-#include "mesh/plane_mesh.h"
+#include "mesh/border_strip.h"
 
 #include <map>
 #include <vector>
@@ -21,7 +21,7 @@ public:
     using Borders =
         std::map<PlaneId, double>; // neighbour -> length of the common border [m]; ordered, for equal results
 
-    explicit NeighbourGraph(const PlaneMesh& mesh);
+    NeighbourGraph(const PlaneMesh& mesh, const BorderStrip& strip);
 
     std::size_t size() const { return clusters_.size(); }
     bool is_alive(PlaneId c) const { return parent_[c] == c; }
@@ -36,7 +36,7 @@ public:
     std::vector<PlaneId> roots() const;
 
 private:
-    void add_borders(const PlaneMesh& mesh);
+    void add_borders(const BorderStrip& strip);
     void refresh(Cluster& cluster) const;
 
     std::vector<Cluster> clusters_;

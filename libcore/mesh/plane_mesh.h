@@ -23,21 +23,21 @@ struct PlaneMesh {
     std::vector<VertexClass> vertex_class; // V
 };
 
-// What the edges between planes and on the mesh border, and those of three or more faces, say of a vertex at their end.
+// What the faces around a vertex and the edges on borders that end there say of it.
 struct BorderUse {
     std::array<PlaneId, 2> plane{kNoPlane, kNoPlane};
     int edges = 0; // between planes and on the mesh border
     bool mesh_border = false;
     bool irregular = false; // more than two planes, or an edge of three or more faces
 
+    void see(PlaneId plane);
     // An edge between two planes; the second is kNoPlane on the mesh border.
-    void add(PlaneId here, PlaneId there);
+    void add_edge(PlaneId here, PlaneId there);
     VertexClass vertex_class() const;
 };
 
-// Classes of all vertices from the planes of their faces.
+// Classes of all vertices from the planes of their faces. opposite: opposite_half_edges(mesh).
 std::vector<VertexClass> classify_vertices(const TriangleMesh& mesh, const std::vector<PlaneId>& face_plane);
-// The same where the opposites of half-edges are known.
 std::vector<VertexClass> classify_vertices(const TriangleMesh& mesh, const std::vector<PlaneId>& face_plane,
                                            const std::vector<std::uint32_t>& opposite);
 

@@ -5,12 +5,13 @@
 #include "mesh/triangle_mesh.h"
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <vector>
 
 namespace quoin {
 
-using ClusterId = std::uint32_t; // of one of its faces, the root
+using ClusterId = std::uint32_t;
 
 struct Cluster {
     Moments sum;                                      // about ClusterGraph::origin
@@ -32,18 +33,25 @@ struct MergeLimits {
     double flat_variance = 0.0;    // [m^2], see pca_energy
 };
 
+// Clusters are numbered in the order of their first face.
 struct ClusterGraph {
     Eigen::Vector3d origin = Eigen::Vector3d::Zero(); // near the mesh, so that moments keep their digits
     MergeLimits limits;
-    std::vector<Cluster> cluster;  // F; roots count
-    std::vector<ClusterId> parent; // F; leads to the root
-    std::vector<ClusterEdge> edge; // neighbouring roots, each pair once
-    std::size_t count = 0;         // clusters left
+    std::vector<Cluster> cluster;        // C; roots count
+    std::vector<ClusterId> parent;       // C; leads to the root
+    std::vector<ClusterEdge> edge;       // neighbouring roots, each pair once, in the order of their first ends
+    std::vector<ClusterId> face_cluster; // F; a cluster that is or became a part of the face's cluster
+    std::size_t count = 0;               // clusters left
 };
 
 // Every face a cluster of its own. opposite: opposite_half_edges(mesh).
 ClusterGraph clusters_of_faces(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite,
                                const MergeLimits& limits);
+
+// Larger clusters: grow(block) joins those of a block of consecutive faces, which fits in a processor's cache, among
+// themselves. Blocks are grown in parallel and then put together.
+ClusterGraph clusters_of_blocks(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite,
+                                const MergeLimits& limits, const std::function<void(ClusterGraph& block)>& grow);
 
 // E(a + b) - E(a) - E(b) [m^4], or kForbidden where the union breaks a limit.
 double merge_cost(const ClusterGraph& graph, ClusterId a, ClusterId b);
@@ -58,9 +66,14 @@ bool may_join(const Cluster& a, const Cluster& b, const MergeLimits& limits);
 // b becomes a part of a; edges stay as they are.
 void join(ClusterGraph& graph, ClusterId a, ClusterId b);
 
-// Sends edges to the roots of their ends, drops those inside a cluster and all but one of each pair. Costs of edges
-// with a changed end are kUnknownCost. The parent of an edge's end must be a root.
-void rewire(ClusterGraph& graph, const std::vector<std::uint8_t>& changed);
+struct EdgeBuffers { // used again by every call, for memory that is touched first costs more than what is done with it
+    std::vector<std::uint32_t> next, met;
+    std::vector<ClusterEdge> sorted;
+};
+
+// Keeps the roots alone, numbered anew, and the edges between them. Costs of edges with an end that is changed[root]
+// are kUnknownCost. Every parent must be a root.
+void compact(ClusterGraph& graph, const std::vector<std::uint8_t>& changed, EdgeBuffers& buffers);
 
 // Breaks ties of equal cost. A hash, for on flat walls all costs are equal, and by index every cluster would choose the
 // same neighbour as the one before it: mutual choices become rare and the rounds never end.
@@ -76,7 +89,7 @@ inline bool cheaper(const ClusterEdge& x, const ClusterEdge& y)
     return x.cost != y.cost ? x.cost < y.cost : pair_hash(x.a, x.b) < pair_hash(y.a, y.b);
 }
 
-// Compact cluster ids of all faces, in the order of the clusters' first faces.
+// The cluster of every face, numbered in the order of the first faces.
 std::vector<std::uint32_t> cluster_labels(const ClusterGraph& graph);
 
 } // namespace quoin

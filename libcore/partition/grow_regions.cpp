@@ -70,7 +70,6 @@ void grow_from(ClusterGraph& graph, FaceId seed, const std::vector<std::uint32_t
         region.plane = oriented_plane(cluster);
         region.fitted_area = cluster.sum.area;
     }
-    graph.count -= queue.size() - 1;
 }
 
 } // namespace
@@ -81,8 +80,9 @@ void grow_regions(ClusterGraph& graph, const std::vector<std::uint32_t>& opposit
     std::vector<std::uint8_t> taken(graph.cluster.size(), 0);
     for (const FaceId seed : rank_seeds(graph, opposite))
         if (!taken[seed]) grow_from(graph, seed, opposite, limits, taken);
-    rewire(graph, std::vector<std::uint8_t>(graph.cluster.size(), 1));
     progress.step(graph.cluster.size());
+    EdgeBuffers buffers;
+    compact(graph, std::vector<std::uint8_t>(graph.cluster.size(), 1), buffers);
 }
 
 } // namespace quoin

@@ -100,16 +100,21 @@ private:
 class EdgeLists {
 public:
     EdgeLists(const std::vector<ClusterEdge>& edges, std::size_t clusters)
-        : next_(2 * edges.size(), kNone), first_(clusters, kNone), last_(clusters, kNone), gone_(edges.size(), 0)
+        : next_(2 * edges.size(), kNone), first_(clusters, kNone), last_(clusters, kNone), size_(clusters, 0),
+          gone_(edges.size(), 0)
     {
         for (std::uint32_t e = 0; e < edges.size(); ++e) {
             append(edges[e].a, 2 * e);
             append(edges[e].b, 2 * e + 1);
         }
     }
+    // At least the number of edges around the cluster.
+    std::size_t size(ClusterId c) const { return size_[c]; }
+    // What was around b is around a now.
     void splice(ClusterId a, ClusterId b)
     {
         if (first_[b] == kNone) return;
+        size_[a] += size_[b];
         if (first_[a] == kNone)
             first_[a] = first_[b];
         else
@@ -122,6 +127,7 @@ public:
     {
         std::uint32_t end = first_[c];
         first_[c] = last_[c] = kNone;
+        size_[c] = 0;
         while (end != kNone) {
             const std::uint32_t following = next_[end];
             next_[end] = kNone;
@@ -143,9 +149,87 @@ private:
         else
             next_[last_[c]] = end;
         last_[c] = end;
+        ++size_[c];
     }
-    std::vector<std::uint32_t> next_, first_, last_;
+    std::vector<std::uint32_t> next_, first_, last_, size_;
     std::vector<std::uint8_t> gone_;
+};
+
+// Costs of edges are those of the moment, but around clusters with many neighbours, where every join would change all
+// of them a little: these are renewed when their turn comes, or when the cluster has grown.
+class GreedyMerger {
+public:
+    explicit GreedyMerger(ClusterGraph& graph)
+        : graph_(graph), heap_(graph.edge), lists_(graph.edge, graph.cluster.size()), met_(graph.cluster.size(), 0),
+          version_(graph.cluster.size(), 0), evaluated_(graph.edge.size(), 0), renewed_area_(graph.cluster.size(), 0.0)
+    {
+    }
+
+    bool is_done() const { return heap_.empty(); }
+
+    // Joins the cheapest pair, or finds that its cost is out of date and renews it.
+    void step()
+    {
+        const std::uint32_t e = heap_.top();
+        const ClusterEdge& edge = graph_.edge[e];
+        if (evaluated_[e] != version_of(edge)) return evaluate(e);
+        const bool a_has_more = lists_.size(edge.a) >= lists_.size(edge.b);
+        const ClusterId root = a_has_more ? edge.a : edge.b, part = a_has_more ? edge.b : edge.a;
+        join(graph_, root, part);
+        --graph_.count;
+        ++version_[root];
+        const bool few = lists_.size(root) + lists_.size(part) <= kFewNeighbours;
+        if (few || graph_.cluster[root].sum.area > kGrowth * renewed_area_[root]) {
+            lists_.splice(root, part);
+            attach(root, root, part);
+            renewed_area_[root] = graph_.cluster[root].sum.area;
+        } else {
+            attach(part, root, part);
+            lists_.splice(root, part);
+        }
+    }
+
+private:
+    static constexpr std::size_t kFewNeighbours = 64;
+    static constexpr double kGrowth = 1.1;
+
+    std::uint32_t version_of(const ClusterEdge& edge) const { return version_[edge.a] + version_[edge.b]; }
+
+    void evaluate(std::uint32_t e)
+    {
+        ClusterEdge& edge = graph_.edge[e];
+        edge.cost = merge_cost(graph_, edge.a, edge.b);
+        evaluated_[e] = version_of(edge);
+        heap_.update(e);
+    }
+
+    // The edges in the list of a cluster become those of `root`, which `part` was joined to. Drops the edges between
+    // the two, and doubles.
+    void attach(ClusterId list, ClusterId root, ClusterId part)
+    {
+        ++walk_;
+        lists_.filter(list, [&](std::uint32_t end) {
+            ClusterEdge& edge = graph_.edge[end / 2];
+            const ClusterId other = end % 2 == 0 ? edge.b : edge.a;
+            (end % 2 == 0 ? edge.a : edge.b) = root;
+            if (other == root || other == part || met_[other] == walk_) {
+                heap_.remove(end / 2);
+                return false;
+            }
+            met_[other] = walk_;
+            evaluate(end / 2);
+            return true;
+        });
+    }
+
+    ClusterGraph& graph_;
+    EdgeHeap heap_;
+    EdgeLists lists_;
+    std::vector<std::uint32_t> met_; // the walk that met this cluster last
+    std::uint32_t walk_ = 0;
+    std::vector<std::uint32_t> version_;   // of clusters: joins so far
+    std::vector<std::uint32_t> evaluated_; // of edges: versions of both ends when the cost was found
+    std::vector<double> renewed_area_;     // of clusters when all costs around them were found [m^2]
 };
 
 } // namespace
@@ -154,32 +238,13 @@ void merge_by_heap(ClusterGraph& graph, std::size_t target)
 {
     constexpr std::size_t kReportEvery = 4096;
     evaluate_costs(graph);
-    EdgeHeap heap(graph.edge);
-    EdgeLists lists(graph.edge, graph.cluster.size());
-    std::vector<std::uint32_t> met(graph.cluster.size(), 0); // the walk that met this cluster last
-    std::uint32_t walk = 0;
     Progress progress("growing clusters exactly", graph.count - std::min(graph.count, target));
-    while (graph.count > target && !heap.empty()) {
-        const auto [a, b, cost] = graph.edge[heap.top()];
-        join(graph, a, b);
-        --graph.count;
-        lists.splice(a, b);
-        ++walk;
-        const auto attach = [&, a = a, b = b](std::uint32_t end) { // false for the edge a-b and for doubles
-            ClusterEdge& edge = graph.edge[end / 2];
-            const ClusterId other = end % 2 == 0 ? edge.b : edge.a;
-            (end % 2 == 0 ? edge.a : edge.b) = a;
-            if (other == a || other == b || met[other] == walk) {
-                heap.remove(end / 2);
-                return false;
-            }
-            met[other] = walk;
-            edge.cost = merge_cost(graph, a, other);
-            heap.update(end / 2);
-            return true;
-        };
-        lists.filter(a, attach);
-        if (graph.count % kReportEvery == 0) progress.step(kReportEvery);
+    GreedyMerger merger(graph);
+    for (std::size_t reported = graph.count; graph.count > target && !merger.is_done();) {
+        merger.step();
+        if (reported - graph.count < kReportEvery) continue;
+        progress.step(reported - graph.count);
+        reported = graph.count;
     }
     graph.edge.clear();
 }

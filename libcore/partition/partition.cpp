@@ -2,6 +2,8 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "base/parallel.h"
+#include "base/progress.h"
 #include "mesh/adjacency.h"
 #include "mesh/plane_fit.h"
 #include "partition/cluster_graph.h"
@@ -31,28 +33,48 @@ void check_vertex(const TriangleMesh& mesh, FaceId f, VertexId v)
             v));
 }
 
-void require_partitionable(const TriangleMesh& mesh)
+constexpr std::size_t kFaceGrain = 1 << 14;
+
+bool is_sound(const TriangleMesh& mesh, const Face& face)
 {
-    double area = 0.0;
-    for (FaceId f = 0; f < mesh.face.size(); ++f) {
-        for (const VertexId v : mesh.face[f])
-            check_vertex(mesh, f, v);
-        area += face_area(mesh, f);
-    }
-    if (!(area > 0.0))
+    return std::ranges::all_of(face,
+                               [&](VertexId v) { return v < mesh.position.size() && mesh.position[v].allFinite(); });
+}
+
+// Returns the mesh's bounding box.
+Eigen::AlignedBox3f require_partitionable(const TriangleMesh& mesh)
+{
+    struct Extent {
+        double area = 0.0;
+        Eigen::AlignedBox3f box;
+    };
+    const auto measure = [&](std::size_t begin, std::size_t end) {
+        Extent extent;
+        for (std::size_t f = begin; f < end; ++f) {
+            if (!is_sound(mesh, mesh.face[f]))
+                for (const VertexId v : mesh.face[f])
+                    check_vertex(mesh, static_cast<FaceId>(f), v);
+            extent.area += face_area(mesh, static_cast<FaceId>(f));
+            for (const VertexId v : mesh.face[f])
+                extent.box.extend(mesh.position[v]);
+        }
+        return extent;
+    };
+    const Extent extent =
+        parallel_reduce(mesh.face.size(), kFaceGrain, Extent(), measure, [](const Extent& x, const Extent& y) {
+            return Extent{x.area + y.area, x.box.merged(y.box)};
+        });
+    if (!(extent.area > 0.0))
         throw ImpossibleError(
             fmt::format("mesh: none of its {} faces has an area, so there is no plane to find; check the scan's depth",
                         mesh.face.size()));
+    return extent.box;
 }
 
-MergeLimits limits_of(const TriangleMesh& mesh, const PartitionParams& params)
+MergeLimits limits_of(const Eigen::AlignedBox3f& box, const PartitionParams& params)
 {
     constexpr double kRounding = 1e-7; // of single precision coordinates
-    Eigen::AlignedBox3d box;
-    for (FaceId f = 0; f < mesh.face.size(); ++f)
-        for (int k = 0; k < 3; ++k)
-            box.extend(corner(mesh, f, k));
-    const double rounding = kRounding * box.diagonal().norm();
+    const double rounding = kRounding * box.diagonal().cast<double>().norm();
     if (params.clusters > 0) return {kForbidden, params.min_facing, -1.0, rounding * rounding};
     return {params.max_error, params.min_facing, std::cos(params.max_part_angle * std::numbers::pi / 180.0),
             rounding * rounding};
@@ -76,19 +98,31 @@ std::size_t target_count(const TriangleMesh& mesh, const PartitionParams& params
 }
 
 // Clusters at which the rounds hand over to the exact heap. The heap alone decides about the last `round_reserve` times
-// the target, where the greedy order matters: the energy stays within 1 % of the exact one.
+// the target, where the greedy order matters most: the energy stays within 1 % of the exact one.
 std::size_t handover(std::size_t faces, std::size_t target, const PartitionParams& params)
 {
     return std::max(faces / static_cast<std::size_t>(params.round_faces),
                     static_cast<std::size_t>(params.round_reserve) * target);
 }
 
+ClusterGraph grow_in_rounds(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite,
+                            const MergeLimits& limits, std::size_t stop_count)
+{
+    Progress progress("growing clusters in rounds", mesh.face.size());
+    return clusters_of_blocks(mesh, opposite, limits, [&](ClusterGraph& block) {
+        const std::size_t faces = block.face_cluster.size();
+        merge_in_rounds(block, faces * stop_count / mesh.face.size());
+        progress.step(faces);
+    });
+}
+
 std::vector<PlaneId> grow_clusters(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite,
                                    const MergeLimits& limits, const PartitionParams& params)
 {
-    ClusterGraph graph = clusters_of_faces(mesh, opposite, limits);
     const std::size_t target = target_count(mesh, params);
-    if (params.method == GrowthMethod::Hybrid) merge_in_rounds(graph, handover(graph.count, target, params));
+    ClusterGraph graph = params.method == GrowthMethod::Hybrid
+                             ? grow_in_rounds(mesh, opposite, limits, handover(mesh.face.size(), target, params))
+                             : clusters_of_faces(mesh, opposite, limits);
     if (params.method == GrowthMethod::RegionGrowing)
         grow_regions(graph, opposite, {params.max_error, std::cos(params.grow_angle * std::numbers::pi / 180.0)});
     merge_by_heap(graph, target);
@@ -105,36 +139,30 @@ void refine(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite
                    face_plane);
 }
 
-std::vector<Moments> sum_moments(const TriangleMesh& mesh, const std::vector<PlaneId>& face_plane, std::size_t planes)
-{
-    std::vector<Moments> moments(planes);
-    for (FaceId f = 0; f < mesh.face.size(); ++f)
-        moments[face_plane[f]] += triangle_moments(corner(mesh, f, 0), corner(mesh, f, 1), corner(mesh, f, 2));
-    return moments;
-}
-
-PlaneMesh with_planes(const TriangleMesh& mesh, std::vector<PlaneId> face_plane, const RobustFit& fit)
+PlaneMesh with_planes(TriangleMesh mesh, std::vector<PlaneId> face_plane, const std::vector<std::uint32_t>& opposite,
+                      const RobustFit& fit)
 {
     const std::size_t planes = 1 + *std::max_element(face_plane.begin(), face_plane.end());
     PlaneMesh result;
-    result.mesh = mesh;
-    result.plane = fit_planes(mesh, face_plane, planes, fit);
-    result.moments = sum_moments(mesh, face_plane, planes);
-    result.vertex_class = classify_vertices(mesh, face_plane);
+    FittedPlanes fitted = fit_planes(mesh, face_plane, planes, fit);
+    result.vertex_class = classify_vertices(mesh, face_plane, opposite);
+    result.mesh = std::move(mesh);
+    result.plane = std::move(fitted.plane);
+    result.moments = std::move(fitted.moments);
     result.face_plane = std::move(face_plane);
     return result;
 }
 
 } // namespace
 
-PlaneMesh partition(const TriangleMesh& mesh, const PartitionParams& params)
+PlaneMesh partition(TriangleMesh mesh, const PartitionParams& params)
 {
-    require_partitionable(mesh);
+    const MergeLimits limits = limits_of(require_partitionable(mesh), params);
     const auto opposite = opposite_half_edges(mesh);
-    const MergeLimits limits = limits_of(mesh, params);
     std::vector<PlaneId> face_plane = grow_clusters(mesh, opposite, limits, params);
     refine(mesh, opposite, limits, params, face_plane);
-    PlaneMesh result = with_planes(mesh, std::move(face_plane), {params.robust_rounds, params.tukey});
+    PlaneMesh result =
+        with_planes(std::move(mesh), std::move(face_plane), opposite, {params.robust_rounds, params.tukey});
     log_info(fmt::format("{} faces in {} clusters", result.mesh.face.size(), result.plane.size()));
     return result;
 }

@@ -18,8 +18,8 @@ struct PartitionParams {
     GrowthMethod method = GrowthMethod::Hybrid;
     double min_facing = 0.5;
     double max_part_angle = 80.0;
-    int round_faces = 8;
-    int round_reserve = 5;
+    int round_faces = 12;
+    int round_reserve = 2;
     double grow_angle = 30.0;
     int refine_rounds = 8;
     double border_distance = 0.003;
@@ -72,6 +72,6 @@ struct PartitionParams {
 // other components or `min_facing` forbid to join further. Degenerate and duplicate faces are allowed. Throws
 // InputError when a face uses a vertex that does not exist or is not finite, and ImpossibleError when no face has an
 // area.
-PlaneMesh partition(const TriangleMesh& mesh, const PartitionParams& params);
+PlaneMesh partition(TriangleMesh mesh, const PartitionParams& params);
 
 } // namespace quoin

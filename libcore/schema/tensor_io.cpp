@@ -1,6 +1,7 @@
 #include "schema/tensor_io.h"
 
 #include "base/error.h"
+#include "base/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -67,6 +68,12 @@ void TensorReader::check_length(const std::string& name, std::size_t found, cons
 void TensorReader::check_indices(const std::string& name, const std::uint32_t* values, std::size_t count,
                                  std::size_t limit) const
 {
+    constexpr std::size_t kGrain = 1 << 16;
+    const auto largest_of = [&](std::size_t begin, std::size_t end) {
+        return begin < end ? *std::max_element(values + begin, values + end) : 0u;
+    };
+    const auto larger = [](std::uint32_t x, std::uint32_t y) { return std::max(x, y); };
+    if (count == 0 || parallel_reduce(count, kGrain, 0u, largest_of, larger) < limit) return;
     for (std::size_t i = 0; i < count; ++i)
         if (values[i] >= limit)
             refuse(name, fmt::format("entry {} is {}, expected an index below {}", i, values[i], limit));

@@ -28,6 +28,10 @@ public:
         const Tensor& tensor = checked(name, dtype_of<Element>(), shape);
         const std::size_t count = tensor.shape.empty() ? 1 : tensor.shape[0];
         check_row(name, tensor, sizeof(T));
+        if constexpr (alignof(T) <= sizeof(Element)) { // as aligned as the tensor: no need to clear the memory first
+            const T* first = reinterpret_cast<const T*>(tensor.bytes.data());
+            return count > 0 ? std::vector<T>(first, first + count) : std::vector<T>();
+        }
         std::vector<T> values(count);
         if (count > 0) std::memcpy(static_cast<void*>(values.data()), tensor.bytes.data(), tensor.bytes.size());
         return values;

@@ -119,8 +119,8 @@ void Zones::classify_ends(const std::vector<std::uint32_t>& border)
             if (touched[v] == 0) continue;
             const auto at = std::lower_bound(vertex.begin(), vertex.end(), v) - vertex.begin();
             const std::uint32_t o = opposite_[h];
-            use[static_cast<std::size_t>(at)].add(mesh_.face_plane[h / 3],
-                                                  o == kBorderEdge ? kNoPlane : mesh_.face_plane[o / 3]);
+            use[static_cast<std::size_t>(at)].add_edge(mesh_.face_plane[h / 3],
+                                                       o == kBorderEdge ? kNoPlane : mesh_.face_plane[o / 3]);
         }
     for (std::size_t i = 0; i < vertex.size(); ++i)
         mesh_.vertex_class[vertex[i]] = use[i].vertex_class();

@@ -9,10 +9,10 @@ int main(int argc, char** argv)
     const Stage stage{
         .name = "merge",
         .summary = "joins neighbouring clusters that lie in one plane, and absorbs bumps and tiny clusters",
-        .impl_version = 3,
+        .impl_version = 4,
         .inputs = {{"plane_mesh", "clusters of the dense mesh"}},
         .outputs = {{"plane_mesh", "the same faces in fewer planes"}},
-        .resources = {.memory = "bytes(plane_mesh) * 12 + 200M"},
+        .resources = {.memory = "bytes(plane_mesh) * 4 + 200M"},
     };
     return run_stage<MergeParams>(stage, argc, argv, [](const StageRun& run, const MergeParams& params) {
         run.write("plane_mesh", merge_planes(read_plane_mesh(run.in("plane_mesh")), params));

@@ -26,11 +26,9 @@ PlaneMesh clustered(const TriangleMesh& mesh, const Label& label)
         const auto [it, added] = id.try_emplace(label(c), static_cast<PlaneId>(id.size()));
         result.face_plane.push_back(it->second);
     }
-    result.moments.resize(id.size());
-    for (FaceId f = 0; f < mesh.face.size(); ++f)
-        result.moments[result.face_plane[f]] +=
-            triangle_moments(corner(mesh, f, 0), corner(mesh, f, 1), corner(mesh, f, 2));
-    result.plane = fit_planes(mesh, result.face_plane, id.size(), {});
+    FittedPlanes fitted = fit_planes(mesh, result.face_plane, id.size(), {});
+    result.plane = std::move(fitted.plane);
+    result.moments = std::move(fitted.moments);
     result.vertex_class = classify_vertices(mesh, result.face_plane);
     return result;
 }
