@@ -4,6 +4,7 @@
 #include "alignment/gauge.h"
 #include "alignment/problem.h"
 #include "alignment/solver.h"
+#include "alignment/vignetting.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/progress.h"
@@ -154,6 +155,15 @@ AlignmentState without_stray_normals(const AlignmentProblem& reference, const Al
     return state;
 }
 
+// As far as it shows at the poses of the input, which it hardly depends on; in the end it is estimated anew.
+void take_out_vignetting(AlignmentScene& scene, const AlignmentProblem& reference, const AlignmentState& start)
+{
+    const Observations& observations = reference.observations;
+    const std::array observed{observed_grays(scene, start, reference.texels, observations, reference.level)};
+    const auto radius = squared_radii(scene, start, reference.texels, observations);
+    correct(scene, estimate_vignetting(observations, radius, observed, scene.params));
+}
+
 void warn_of_blind_frames(const AlignmentProblem& reference)
 {
     const auto blind = std::ranges::count(reference.frame_is_free, 0);
@@ -196,11 +206,12 @@ Alignment optimize_texture(const AlignmentInput& input, const OptimizeTexturePar
 {
     check(requested);
     const OptimizeTextureParams params = with_usable_levels(requested, input.scan.color);
-    const AlignmentScene scene = load_scene(input.scan, input.read, input.keyframes, input.mesh, params);
+    AlignmentScene scene = load_scene(input.scan, input.read, input.keyframes, input.mesh, params);
     const AlignmentState start = input_state(input.scan, input.keyframes, input.mesh);
     ProblemSource source = problem_source(scene, input.keyframes, input.lines, start);
     AlignmentProblem reference =
         make_problem(source, start, 0, kReferenceStride * level_spacing(params, 0), TexelChoice::All);
+    if (params.optimize_exposure && params.optimize_vignetting) take_out_vignetting(scene, reference, start);
     source.lambda_p = reference.lambda_p = plane_weight(reference, start);
     warn_of_blind_frames(reference);
 

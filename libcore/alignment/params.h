@@ -39,6 +39,7 @@ struct OptimizeTextureParams {
     bool optimize_poses = true;
     bool optimize_planes = true;
     bool optimize_exposure = true;
+    bool optimize_vignetting = true;
     CalibrationUse calibration = CalibrationUse::Refine;
     bool keep_frame = true;
 
@@ -115,6 +116,8 @@ struct OptimizeTextureParams {
             Param{"optimize_poses", &P::optimize_poses, "", "move the cameras"},
             Param{"optimize_planes", &P::optimize_planes, "", "move the planes"},
             Param{"optimize_exposure", &P::optimize_exposure, "", "estimate a gain and a bias per frame and channel"},
+            Param{"optimize_vignetting", &P::optimize_vignetting, "",
+                  "with optimize_exposure: estimate the light that the lens loses towards the corners"},
             Param{"calibration", &P::calibration, "", "keep the colour camera or refine it for all frames"},
             Param{"keep_frame", &P::keep_frame, "",
                   "move the whole solution rigidly back to where its planes lie closest to the dense mesh"},
