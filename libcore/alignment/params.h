@@ -75,6 +75,7 @@ struct OptimizeTextureParams {
     double prior_rotation = 1.0;
     double shared_errors = 4.0;
     double exposure_prior = 0.0003;
+    double bias_prior = 0.03;
     int exposure_rounds = 3;
     double prior_focal = 0.03;
     double prior_center = 10.0;
@@ -163,8 +164,12 @@ struct OptimizeTextureParams {
             Param{"shared_errors", &P::shared_errors, "",
                   "so many observations of a frame err together: the pull to its input pose counts once for each lot",
                   1.0, 1e9},
-            Param{"exposure_prior", &P::exposure_prior, "",
-                  "pull of the gains to 1 and the biases to 0, per observation", 0.0, 1e6},
+            Param{"exposure_prior", &P::exposure_prior, "", "pull of the gains to 1, per observation", 0.0, 1e6},
+            Param{
+                "bias_prior", &P::bias_prior, "",
+                "pull of the biases to 0, per observation; black levels drift little, and a frame of one dark surface "
+                "does not tell bias from gain",
+                0.0, 1e6},
             Param{"exposure_rounds", &P::exposure_rounds, "", "reweighted solutions for the exposures", 1, 1000},
             Param{"prior_focal", &P::prior_focal, "", "expected relative error of the focal length", 1e-9, 1.0},
             Param{"prior_center", &P::prior_center, "px", "expected error of the principal point", 1e-9, 1e4},

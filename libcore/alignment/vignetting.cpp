@@ -14,6 +14,7 @@ namespace {
 constexpr int kRounds = 4;                // of exposures and vignetting in turn: they hardly depend
 constexpr int kReweightings = 2;          // of the texels' colours
 constexpr std::size_t kTexelGrain = 4096; // [texels]
+constexpr double kPrior = 1e-6;           // pull of k to 0, per observation: all frames tell of one lens
 constexpr double kLeastCorrection = 0.95; // a lens does not brighten the corners
 constexpr double kMostCorrection = 4.0;   // nor black them out
 
@@ -131,7 +132,7 @@ Vignetting estimate_vignetting(const Observations& observations, const std::vect
                 estimate_exposures(observations, corrected(channel, squared_radius, vignetting), params);
             sum = sum + equations_of({observations, squared_radius, channel, exposure, vignetting}, params.huber_color);
         }
-        const double prior = params.exposure_prior * static_cast<double>(channels.size() * observations.size());
+        const double prior = kPrior * static_cast<double>(channels.size() * observations.size());
         sum.A.diagonal().array() += prior;
         vignetting.k = sum.A.ldlt().solve(sum.b).cast<float>();
         if (!vignetting.k.allFinite() || !is_of_a_lens(vignetting)) return {};

@@ -167,6 +167,26 @@ TEST(OptimizeTexture, FindsTheGainsOfTheFrames)
     EXPECT_LT(relative_position_error(room, alignment), 0.3);
 }
 
+TEST(OptimizeTexture, FindsTheVignettingOfTheLens)
+{
+    for (const double loss : {0.0, 0.15, 0.4}) {
+        const auto room = textured_room({.gain_noise = 0.12, .vignetting = loss});
+        const auto alignment = align(room, small_room_params());
+        for (const double squared_radius : {0.2, 0.5, 0.8})
+            EXPECT_NEAR(alignment.vignetting.correction(squared_radius) * (1.0 - loss * squared_radius), 1.0, 0.02)
+                << loss << " at " << squared_radius;
+        EXPECT_LT(relative_position_error(room, alignment), 0.3) << loss;
+    }
+}
+
+TEST(OptimizeTexture, FindsNoVignettingWhereNothingTellsOfIt)
+{
+    auto params = small_room_params();
+    EXPECT_TRUE(align(textured_room({.textured = false}), params).vignetting.k.isZero(0.02f));
+    params.optimize_vignetting = false;
+    EXPECT_TRUE(align(textured_room({.vignetting = 0.4}), params).vignetting.k.isZero());
+}
+
 // Mean distance between where two colour cameras see the same points of the depth camera [px].
 double pixel_difference(const TexturedRoom& room, const Alignment& alignment, const Camera& color,
                         const Rigid& color_from_depth)
