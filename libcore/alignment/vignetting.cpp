@@ -15,8 +15,7 @@ constexpr int kRounds = 4;                // of exposures and vignetting in turn
 constexpr int kReweightings = 2;          // of the texels' colours
 constexpr std::size_t kTexelGrain = 4096; // [texels]
 constexpr double kPrior = 1e-6;           // pull of k to 0, per observation: all frames tell of one lens
-constexpr double kLeastCorrection = 0.95; // a lens does not brighten the corners
-constexpr double kMostCorrection = 4.0;   // nor black them out
+constexpr double kMostCorrection = 4.0;   // in the corners; no lens blacks them out
 
 // Normal equations of k in sum w (v - mean v)^2, v = gain I (1 + k . (r^2, r^4, r^6)) + bias.
 struct Equations {
@@ -91,14 +90,28 @@ Equations equations_of(const ExposedChannel& channel, double huber)
         [](Equations a, Equations b) { return a + b; });
 }
 
-bool is_of_a_lens(const Vignetting& vignetting)
+// The solution without negative numbers: a lens loses light towards the corners and nowhere gains any. Of eight sets of
+// unknowns that may be other than 0, the best of those that come out positive.
+Eigen::Vector3d solve_non_negative(const Equations& equations)
 {
-    constexpr int kSamples = 16;
-    for (int i = 1; i <= kSamples; ++i) {
-        const double correction = vignetting.correction(static_cast<double>(i) / kSamples);
-        if (!(correction >= kLeastCorrection && correction <= kMostCorrection)) return false;
+    Eigen::Vector3d best = Eigen::Vector3d::Zero();
+    double least = 0.0; // of k A k / 2 - b k
+    for (unsigned set = 1; set < 8; ++set) {
+        Eigen::Matrix3d A = Eigen::Matrix3d::Identity();
+        Eigen::Vector3d b = Eigen::Vector3d::Zero();
+        for (int i = 0; i < 3; ++i) {
+            if ((set >> i & 1u) == 0) continue;
+            b[i] = equations.b[i];
+            for (int j = 0; j < 3; ++j)
+                if ((set >> j & 1u) != 0) A(i, j) = equations.A(i, j);
+        }
+        const Eigen::Vector3d k = A.ldlt().solve(b);
+        const double value = 0.5 * k.dot(equations.A * k) - equations.b.dot(k);
+        if (!k.allFinite() || k.minCoeff() < 0.0 || value >= least) continue;
+        least = value;
+        best = k;
     }
-    return true;
+    return best;
 }
 
 } // namespace
@@ -134,8 +147,8 @@ Vignetting estimate_vignetting(const Observations& observations, const std::vect
         }
         const double prior = kPrior * static_cast<double>(channels.size() * observations.size());
         sum.A.diagonal().array() += prior;
-        vignetting.k = sum.A.ldlt().solve(sum.b).cast<float>();
-        if (!vignetting.k.allFinite() || !is_of_a_lens(vignetting)) return {};
+        vignetting.k = solve_non_negative(sum).cast<float>();
+        if (vignetting.correction(1.0) > kMostCorrection) return {};
     }
     return vignetting;
 }
