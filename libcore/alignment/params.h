@@ -25,8 +25,8 @@ enum class LineTermKind { Reprojection, Depth };
 constexpr auto choice_names(LineTermKind) { return std::array{"reprojection", "depth"}; }
 
 // Refine: focal length, principal point and position of the colour camera, shared by all frames.
-enum class CalibrationUse { Fixed, Refine };
-constexpr auto choice_names(CalibrationUse) { return std::array{"fixed", "refine"}; }
+enum class CalibrationUse { Auto, Fixed, Refine };
+constexpr auto choice_names(CalibrationUse) { return std::array{"auto", "fixed", "refine"}; }
 
 struct OptimizeTextureParams {
     AlignmentSolver solver = AlignmentSolver::Joint;
@@ -40,7 +40,7 @@ struct OptimizeTextureParams {
     bool optimize_planes = true;
     bool optimize_exposure = true;
     bool optimize_vignetting = true;
-    CalibrationUse calibration = CalibrationUse::Refine;
+    CalibrationUse calibration = CalibrationUse::Auto;
     bool keep_frame = true;
 
     int levels = 3;
@@ -119,7 +119,9 @@ struct OptimizeTextureParams {
             Param{"optimize_exposure", &P::optimize_exposure, "", "estimate a gain and a bias per frame and channel"},
             Param{"optimize_vignetting", &P::optimize_vignetting, "",
                   "with optimize_exposure: estimate the light that the lens loses towards the corners"},
-            Param{"calibration", &P::calibration, "", "keep the colour camera or refine it for all frames"},
+            Param{"calibration", &P::calibration, "",
+                  "keep the colour camera or refine it for all frames; auto refines it where colours agree clearly "
+                  "better then"},
             Param{"keep_frame", &P::keep_frame, "",
                   "move the whole solution rigidly back to where its planes lie closest to the dense mesh"},
             Param{"levels", &P::levels, "", "levels of the image pyramid of the joint solver", 1, 6},

@@ -220,6 +220,22 @@ TEST(OptimizeTexture, FindsTheCalibrationOfTheColourCamera)
               0.3 * pixel_difference(room, fixed, color, color_from_depth));
 }
 
+TEST(OptimizeTexture, RefinesTheColourCameraOnlyWhereColoursAgreeClearlyBetterThen)
+{
+    auto params = small_room_params();
+    params.calibration = CalibrationUse::Auto;
+    const auto well_described = textured_room({.position_noise = 0.005, .rotation_noise = 0.003});
+    EXPECT_EQ(align(well_described, params).color.fx, well_described.scan.color.fx);
+    const Rigid color_from_depth = exp_twist(twist({0.01, -0.02, 0.02}, {0.03, -0.02, 0.02}));
+    auto room = textured_room({.position_noise = 0.002, .rotation_noise = 0.001, .color_from_depth = color_from_depth});
+    room.scan.depth_from_color = Rigid::Identity();
+    const Camera color = room.scan.color;
+    const auto refined = align(room, params);
+    params.calibration = CalibrationUse::Fixed;
+    EXPECT_LT(pixel_difference(room, refined, color, color_from_depth),
+              0.3 * pixel_difference(room, align(room, params), color, color_from_depth));
+}
+
 TEST(OptimizeTexture, KeepsThePosesOfARoomWithoutTextureNearWhereDepthHoldsThem)
 {
     const auto room = textured_room({.position_noise = 0.002, .rotation_noise = 0.001, .textured = false});
