@@ -1,6 +1,7 @@
 #include "alignment/channel_exposure.h"
 
 #include "alignment/exposure.h"
+#include "alignment/vignetting.h"
 #include "base/parallel.h"
 #include "image/sampling.h"
 
@@ -38,8 +39,12 @@ void set_channel_exposures(Alignment& alignment, const ChannelSource& source, co
         if (observations.first_of_frame[k] < observations.first_of_frame[k + 1])
             sample_frame(channels, source, state, observations, k);
     });
+    const OptimizeTextureParams& params = source.scene.params;
+    const auto radius = squared_radii(source.scene, state, source.texels, observations);
+    if (params.optimize_vignetting) alignment.vignetting = estimate_vignetting(observations, radius, channels, params);
     for (std::size_t c = 0; c < 3; ++c) {
-        const auto exposure = estimate_exposures(observations, channels[c], source.scene.params);
+        const auto exposure =
+            estimate_exposures(observations, corrected(channels[c], radius, alignment.vignetting), params);
         for (std::size_t k = 0; k < exposure.size(); ++k) {
             alignment.gain[k][static_cast<Eigen::Index>(c)] = static_cast<float>(exposure[k].gain);
             alignment.bias[k][static_cast<Eigen::Index>(c)] = static_cast<float>(exposure[k].bias) * kWhite;

@@ -12,7 +12,7 @@ struct ChannelSource {
     const Texels& texels;
 };
 
-// Sets gain and bias of every keyframe and colour channel, at the final poses and planes.
+// Sets the vignetting, and gain and bias of every keyframe and colour channel, at the final poses and planes.
 void set_channel_exposures(Alignment& alignment, const ChannelSource& source, const AlignmentState& state);
 
 } // namespace quoin

@@ -27,6 +27,7 @@ struct AlignmentProblem {
     std::vector<std::uint8_t> frame_is_free; // K; others keep their pose
     std::vector<std::uint8_t> plane_is_free; // P
     std::vector<double> prior_weight;        // K, of the pull to the input pose
+    bool color_camera_is_free = false;
 };
 
 // Weighted sums of each term.

@@ -77,7 +77,7 @@ void add_frame(Eigen::MatrixXd& A, const WeightedViews& views, std::size_t k)
 
 // Only relative exposures can be seen, and a darker picture has smaller differences: the means are held by equations
 // that outweigh all others. The prior is per observation, so that it means the same in every frame.
-Eigen::VectorXd add_prior_and_means(Eigen::MatrixXd& A, const WeightedViews& views, double prior)
+Eigen::VectorXd add_prior_and_means(Eigen::MatrixXd& A, const WeightedViews& views, const OptimizeTextureParams& params)
 {
     const auto frames = A.cols() / 2;
     const double hold = A.trace() / static_cast<double>(std::max<Eigen::Index>(1, frames));
@@ -85,9 +85,10 @@ Eigen::VectorXd add_prior_and_means(Eigen::MatrixXd& A, const WeightedViews& vie
     for (Eigen::Index k = 0; k < frames; ++k) {
         const auto i = static_cast<std::size_t>(k);
         const double count = views.observations.first_of_frame[i + 1] - views.observations.first_of_frame[i];
-        const double own = prior * std::max(1.0, count) + 1e-9; // frames that see nothing still have an equation
+        const double least = 1e-9; // frames that see nothing still have an equation
+        const double own = params.exposure_prior * std::max(1.0, count) + least;
         A(2 * k, 2 * k) += own;
-        A(2 * k + 1, 2 * k + 1) += own;
+        A(2 * k + 1, 2 * k + 1) += params.bias_prior * std::max(1.0, count) + least;
         b[2 * k] += own + hold;
         for (Eigen::Index l = 0; l < frames; ++l)
             for (const Eigen::Index row : {0, 1})
@@ -96,13 +97,13 @@ Eigen::VectorXd add_prior_and_means(Eigen::MatrixXd& A, const WeightedViews& vie
     return b;
 }
 
-std::vector<Exposure> solve(const WeightedViews& views, double prior)
+std::vector<Exposure> solve(const WeightedViews& views, const OptimizeTextureParams& params)
 {
     const std::size_t frames = views.observations.first_of_frame.size() - 1;
     Eigen::MatrixXd A =
         Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(2 * frames), static_cast<Eigen::Index>(2 * frames));
     parallel_for(frames, [&](std::size_t k) { add_frame(A, views, k); });
-    const Eigen::VectorXd b = add_prior_and_means(A, views, prior);
+    const Eigen::VectorXd b = add_prior_and_means(A, views, params);
     const Eigen::VectorXd x = A.selfadjointView<Eigen::Lower>().ldlt().solve(b);
     std::vector<Exposure> exposure(frames);
     for (std::size_t k = 0; k < frames && x.allFinite(); ++k)
@@ -133,7 +134,7 @@ std::vector<Exposure> estimate_exposures(const Observations& observations, const
     std::vector<Exposure> exposure(observations.first_of_frame.size() - 1);
     if (observations.size() == 0) return exposure;
     for (int round = 0; round < params.exposure_rounds; ++round) {
-        exposure = solve(weighted_views(observations, observed, exposure, params.huber_color), params.exposure_prior);
+        exposure = solve(weighted_views(observations, observed, exposure, params.huber_color), params);
         normalize(exposure);
     }
     return exposure;

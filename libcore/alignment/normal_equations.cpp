@@ -320,7 +320,7 @@ NormalEquations linearize(const AlignmentProblem& problem, const AlignmentState&
     eq.problem = &problem;
     eq.layout = {state.camera_from_world.size(), state.plane.size()};
     eq.colors = colors;
-    eq.calibrate = params.calibration == CalibrationUse::Refine;
+    eq.calibrate = problem.color_camera_is_free;
     find_runs(eq);
     linearize_colors(eq, state, texel_color);
     add_depth_blocks(eq, state, problem.depths, params.lambda_d);

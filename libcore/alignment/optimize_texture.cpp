@@ -4,6 +4,7 @@
 #include "alignment/gauge.h"
 #include "alignment/problem.h"
 #include "alignment/solver.h"
+#include "alignment/vignetting.h"
 #include "base/error.h"
 #include "base/log.h"
 #include "base/progress.h"
@@ -70,6 +71,26 @@ std::vector<double> mean_energies(const AlignmentProblem& reference, const Align
             mean(e.line, lines),
             mean(e.depth, depths),
             mean(e.prior, frames)};
+}
+
+// A colour camera that the scan describes well is better left alone: a few frames from nearly one place let it drift to
+// where the colours hardly agree better. Tried on small images: is the mean cost of an observation, which is 1 where it
+// is off by what is expected of it, lower by kWorthRefining of that and its own?
+bool is_worth_refining(const ProblemSource& source, const AlignmentState& state)
+{
+    constexpr double kWorthRefining = 0.1;
+    const OptimizeTextureParams& params = source.scene.params;
+    const int level = params.levels - 1;
+    auto problem = make_problem(source, state, level, level_spacing(params, level), TexelChoice::Selected);
+    const auto color_cost = [&](bool is_free) {
+        problem.color_camera_is_free = is_free;
+        return fit(problem, minimize_jointly(problem, state, [](const AlignmentState&) {})).energy.color;
+    };
+    const auto count = static_cast<double>(std::max<std::size_t>(1, problem.observations.size()));
+    const double refined = color_cost(true) / count, as_given = color_cost(false) / count;
+    log_debug(
+        fmt::format("mean colour cost {:.4g} with the colour camera refined, {:.4g} as given", refined, as_given));
+    return as_given - refined > kWorthRefining * (1.0 + as_given);
 }
 
 AlignmentState minimize(const ProblemSource& source, AlignmentState state, const OnIteration& on_iteration)
@@ -154,6 +175,15 @@ AlignmentState without_stray_normals(const AlignmentProblem& reference, const Al
     return state;
 }
 
+// As far as it shows at the poses of the input, which it hardly depends on; in the end it is estimated anew.
+void take_out_vignetting(AlignmentScene& scene, const AlignmentProblem& reference, const AlignmentState& start)
+{
+    const Observations& observations = reference.observations;
+    const std::array observed{observed_grays(scene, start, reference.texels, observations, reference.level)};
+    const auto radius = squared_radii(scene, start, reference.texels, observations);
+    correct(scene, estimate_vignetting(observations, radius, observed, scene.params));
+}
+
 void warn_of_blind_frames(const AlignmentProblem& reference)
 {
     const auto blind = std::ranges::count(reference.frame_is_free, 0);
@@ -196,13 +226,15 @@ Alignment optimize_texture(const AlignmentInput& input, const OptimizeTexturePar
 {
     check(requested);
     const OptimizeTextureParams params = with_usable_levels(requested, input.scan.color);
-    const AlignmentScene scene = load_scene(input.scan, input.read, input.keyframes, input.mesh, params);
+    AlignmentScene scene = load_scene(input.scan, input.read, input.keyframes, input.mesh, params);
     const AlignmentState start = input_state(input.scan, input.keyframes, input.mesh);
     ProblemSource source = problem_source(scene, input.keyframes, input.lines, start);
     AlignmentProblem reference =
         make_problem(source, start, 0, kReferenceStride * level_spacing(params, 0), TexelChoice::All);
+    if (params.optimize_exposure && params.optimize_vignetting) take_out_vignetting(scene, reference, start);
     source.lambda_p = reference.lambda_p = plane_weight(reference, start);
     warn_of_blind_frames(reference);
+    if (params.calibration == CalibrationUse::Auto) source.color_camera_is_free = is_worth_refining(source, start);
 
     std::vector<std::vector<double>> rows{mean_energies(reference, start)};
     const auto record = [&](const AlignmentState& state) { rows.push_back(mean_energies(reference, state)); };

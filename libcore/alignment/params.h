@@ -25,8 +25,8 @@ enum class LineTermKind { Reprojection, Depth };
 constexpr auto choice_names(LineTermKind) { return std::array{"reprojection", "depth"}; }
 
 // Refine: focal length, principal point and position of the colour camera, shared by all frames.
-enum class CalibrationUse { Fixed, Refine };
-constexpr auto choice_names(CalibrationUse) { return std::array{"fixed", "refine"}; }
+enum class CalibrationUse { Auto, Fixed, Refine };
+constexpr auto choice_names(CalibrationUse) { return std::array{"auto", "fixed", "refine"}; }
 
 struct OptimizeTextureParams {
     AlignmentSolver solver = AlignmentSolver::Joint;
@@ -39,7 +39,8 @@ struct OptimizeTextureParams {
     bool optimize_poses = true;
     bool optimize_planes = true;
     bool optimize_exposure = true;
-    CalibrationUse calibration = CalibrationUse::Refine;
+    bool optimize_vignetting = true;
+    CalibrationUse calibration = CalibrationUse::Auto;
     bool keep_frame = true;
 
     int levels = 3;
@@ -74,6 +75,7 @@ struct OptimizeTextureParams {
     double prior_rotation = 1.0;
     double shared_errors = 4.0;
     double exposure_prior = 0.0003;
+    double bias_prior = 0.03;
     int exposure_rounds = 3;
     double prior_focal = 0.03;
     double prior_center = 10.0;
@@ -115,7 +117,11 @@ struct OptimizeTextureParams {
             Param{"optimize_poses", &P::optimize_poses, "", "move the cameras"},
             Param{"optimize_planes", &P::optimize_planes, "", "move the planes"},
             Param{"optimize_exposure", &P::optimize_exposure, "", "estimate a gain and a bias per frame and channel"},
-            Param{"calibration", &P::calibration, "", "keep the colour camera or refine it for all frames"},
+            Param{"optimize_vignetting", &P::optimize_vignetting, "",
+                  "with optimize_exposure: estimate the light that the lens loses towards the corners"},
+            Param{"calibration", &P::calibration, "",
+                  "keep the colour camera or refine it for all frames; auto refines it where colours agree clearly "
+                  "better then"},
             Param{"keep_frame", &P::keep_frame, "",
                   "move the whole solution rigidly back to where its planes lie closest to the dense mesh"},
             Param{"levels", &P::levels, "", "levels of the image pyramid of the joint solver", 1, 6},
@@ -160,8 +166,12 @@ struct OptimizeTextureParams {
             Param{"shared_errors", &P::shared_errors, "",
                   "so many observations of a frame err together: the pull to its input pose counts once for each lot",
                   1.0, 1e9},
-            Param{"exposure_prior", &P::exposure_prior, "",
-                  "pull of the gains to 1 and the biases to 0, per observation", 0.0, 1e6},
+            Param{"exposure_prior", &P::exposure_prior, "", "pull of the gains to 1, per observation", 0.0, 1e6},
+            Param{
+                "bias_prior", &P::bias_prior, "",
+                "pull of the biases to 0, per observation; black levels drift little, and a frame of one dark surface "
+                "does not tell bias from gain",
+                0.0, 1e6},
             Param{"exposure_rounds", &P::exposure_rounds, "", "reweighted solutions for the exposures", 1, 1000},
             Param{"prior_focal", &P::prior_focal, "", "expected relative error of the focal length", 1e-9, 1.0},
             Param{"prior_center", &P::prior_center, "px", "expected error of the principal point", 1e-9, 1e4},

@@ -67,7 +67,13 @@ AlignmentState input_state(const Scan& scan, const Keyframes& keyframes, const P
 ProblemSource problem_source(const AlignmentScene& scene, const Keyframes& keyframes, const LineMatches& lines,
                              const AlignmentState& input)
 {
-    ProblemSource source{scene, input, scene.params.lambda_p, sample_depths(scene, input), {}, {}};
+    ProblemSource source{scene,
+                         input,
+                         scene.params.lambda_p,
+                         sample_depths(scene, input),
+                         {},
+                         {},
+                         scene.params.calibration != CalibrationUse::Fixed};
     if (scene.params.line_term == LineTermKind::Reprojection)
         source.lines = line_observations(scene, input, keyframes, lines);
     else
@@ -97,6 +103,7 @@ AlignmentProblem make_problem(const ProblemSource& source, const AlignmentState&
     problem.frame_is_free = free_frames(problem, counts);
     problem.prior_weight = prior_weights(problem, counts);
     problem.plane_is_free = free_planes(problem);
+    problem.color_camera_is_free = source.color_camera_is_free;
     return problem;
 }
 

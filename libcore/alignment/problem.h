@@ -16,6 +16,7 @@ struct ProblemSource {
         depths; // chosen once, at the input poses: a list that follows the poses would drop what contradicts them
     std::vector<LineObservation> lines;
     DepthSamples line_depths;
+    bool color_camera_is_free = false;
 };
 ProblemSource problem_source(const AlignmentScene& scene, const Keyframes& keyframes, const LineMatches& lines,
                              const AlignmentState& input);

@@ -106,8 +106,7 @@ AlignmentState minimize_alternating(const AlignmentProblem& problem, AlignmentSt
             next = block_step(problem, next, before.color, Block::Pose);
         for (int loop = 0; loop < params.plane_loops; ++loop)
             next = block_step(problem, next, before.color, Block::Plane);
-        if (params.calibration == CalibrationUse::Refine)
-            next = block_step(problem, next, before.color, Block::Calibration);
+        if (problem.color_camera_is_free) next = block_step(problem, next, before.color, Block::Calibration);
         current = fit(problem, std::move(next));
         if (params.optimize_exposure) current = with_better_exposures(problem, std::move(current));
         on_iteration(current.state);

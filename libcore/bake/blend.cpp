@@ -157,9 +157,9 @@ void ChartBlend::sample_tile(const TextureView& view, const TileWeights& weights
             const Eigen::Vector3f color = view.color(*sighting, density);
             const double resolution = sighting->resolution / density;
             const double quality = sighting->trust * sighting->facing * resolution * resolution * view.sharpness();
-            const float weight =
-                plain_mean ? 1.0f
-                           : static_cast<float>(quality) * weights.consistency(x, y) * view.exposure_weight(color);
+            const float weight = plain_mean ? 1.0f
+                                            : static_cast<float>(quality) * weights.consistency(x, y) *
+                                                  view.exposure_weight(*sighting, color);
             if (weight > 0.0f) mean_.at(x, y).add(color, weight);
             patch.texel.at(x - patch.x, y - patch.y).add(color, 1.0f);
         }

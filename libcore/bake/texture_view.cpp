@@ -88,7 +88,7 @@ TextureView::TextureView(const BakeInput& input, std::size_t k, const BakeTextur
       drawn_(rasterize(input.planes.mesh, color_camera_, color_from_world_).depth),
       measured_(input.images.depth(input.keyframes.frame[k])), drawn_edge_(distance_to_drawn_edges(drawn_, params)),
       measured_edge_(grow_distances(depth_steps(measured_, params.depth_jump, params.depth_noise), kFarFromEdges)),
-      gain_(input.alignment.gain[k]), bias_(input.alignment.bias[k]),
+      gain_(input.alignment.gain[k]), bias_(input.alignment.bias[k]), vignetting_(input.alignment.vignetting),
       least_facing_(std::cos(params.max_view_angle * std::numbers::pi / 180.0))
 {
     const FrameId frame = input.keyframes.frame[k];
@@ -165,12 +165,19 @@ Eigen::Vector3f TextureView::color(const Sighting& sighting, double density) con
     // Bilinear samples need a neighbour on every side.
     const double x = std::clamp(pixel.x(), 0.0, image.width - 1.001),
                  y = std::clamp(pixel.y(), 0.0, image.height - 1.001);
-    return gain_.cwiseProduct(sample_color(image, x, y)) + bias_;
+    return correction(sighting.pixel) * gain_.cwiseProduct(sample_color(image, x, y)) + bias_;
 }
 
-float TextureView::exposure_weight(const Eigen::Vector3f& common_color) const
+// Of vignetting.
+float TextureView::correction(const Eigen::Vector2d& pixel) const
 {
-    const Eigen::Vector3f recorded = (common_color - bias_).cwiseQuotient(gain_);
+    return static_cast<float>(
+        vignetting_.correction(Vignetting::squared_radius(color_camera_.width, color_camera_.height, pixel)));
+}
+
+float TextureView::exposure_weight(const Sighting& sighting, const Eigen::Vector3f& common_color) const
+{
+    const Eigen::Vector3f recorded = (common_color - bias_).cwiseQuotient(correction(sighting.pixel) * gain_);
     return recorded.maxCoeff() >= kSaturated ? kSaturatedWeight : 1.0f;
 }
 

@@ -28,7 +28,7 @@ public:
     // texel of the given density [1/m].
     Eigen::Vector3f color(const Sighting& sighting, double density) const;
     // A weight that sinks to nearly 0 where the recorded colour is black or white without detail.
-    float exposure_weight(const Eigen::Vector3f& common_color) const;
+    float exposure_weight(const Sighting& sighting, const Eigen::Vector3f& common_color) const;
 
     double sharpness() const { return sharpness_; } // 0 blurred .. 1 sharp
     // 1 in the middle of the image, towards 0 in its corners (vignetting, distortion).
@@ -39,6 +39,7 @@ public:
 private:
     double edge_ramp(double pixels_to_edge) const;
     double depth_tolerance(double z, double facing, double focal) const; // [m]
+    float correction(const Eigen::Vector2d& pixel) const;
 
     BakeTextureParams params_;
     Camera color_camera_, depth_camera_;
@@ -47,6 +48,7 @@ private:
     DepthImage drawn_, measured_;             // of the mesh in the colour camera; of the sensor in the depth camera
     Image<float> drawn_edge_, measured_edge_; // distance to the nearest edge of depth [px of the colour image]
     Eigen::Vector3f gain_, bias_;
+    Vignetting vignetting_;
     double least_facing_;
     double sharpness_ = 1.0;
 };

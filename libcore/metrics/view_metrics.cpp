@@ -75,6 +75,18 @@ Mask covered_pixels(const RenderedView& view, const TargetView& target, double t
     return mask;
 }
 
+// Loses the light that the lens loses towards the corners: of all models, as the alignment of one has found it.
+void darken(ColorImage& image, const Vignetting& vignetting)
+{
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x) {
+            const double light =
+                1.0 / vignetting.correction(Vignetting::squared_radius(image.width, image.height, {x, y}));
+            for (auto& channel : image.at(x, y))
+                channel = static_cast<std::uint8_t>(std::clamp(std::lround(light * channel), 0L, 255L));
+        }
+}
+
 double share(const Mask& mask)
 {
     return static_cast<double>(std::count(mask.pixels.begin(), mask.pixels.end(), 1)) /
@@ -122,6 +134,7 @@ std::vector<ViewScore> score_frame(const Evaluated& inputs, const std::vector<Na
         const Rigid pose = refine_pose(target, draft, start, params.refine_rounds);
         shift.push_back((pose.inverse().translation() - start.inverse().translation()).norm());
         views.push_back(model.render(target.color_camera, pose, params.supersampling));
+        if (inputs.alignment) darken(views.back().color, inputs.alignment->vignetting);
         covered.push_back(covered_pixels(views.back(), target, params.depth_tolerance));
         for (std::size_t i = 0; i < common.pixels.size(); ++i)
             common.pixels[i] = common.pixels[i] && covered.back().pixels[i];

@@ -3,6 +3,7 @@
 #include "geometry/camera.h"
 #include "geometry/plane.h"
 #include "geometry/rigid.h"
+#include "scan/vignetting.h"
 
 #include <Eigen/Core>
 #include <string>
@@ -14,9 +15,11 @@ namespace quoin {
 struct Alignment {
     std::vector<Rigid> camera_from_world; // K, depth camera of each keyframe, in the order of Keyframes::frame
     std::vector<Plane> plane;             // P, in the order of PlaneMesh::plane
-    std::vector<Eigen::Vector3f> gain;    // K; colour in the common exposure = gain * observed + bias (0..255)
-    std::vector<Eigen::Vector3f> bias;    // K
-    Camera color;                         // colour camera, refined or the scan's
+    // Colour in the common exposure = gain * (vignetting's correction * observed) + bias (0..255).
+    std::vector<Eigen::Vector3f> gain; // K
+    std::vector<Eigen::Vector3f> bias; // K
+    Vignetting vignetting;
+    Camera color; // colour camera, refined or the scan's
     Rigid depth_from_color = Rigid::Identity();
     std::vector<std::string> energy_name;    // columns of `energy`: "color", "plane", "line", ...
     std::vector<std::vector<double>> energy; // one row per iteration: mean robust cost of each term

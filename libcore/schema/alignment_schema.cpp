@@ -12,6 +12,8 @@ Artifact to_artifact(const Alignment& alignment)
     add_planes(artifact, "plane", alignment.plane);
     artifact.add<float>("gain", {alignment.gain.size(), 3}, alignment.gain);
     artifact.add<float>("bias", {alignment.bias.size(), 3}, alignment.bias);
+    if (!alignment.vignetting.k.isZero(0.0f))
+        artifact.add<float>("vignetting", {1, 3}, std::vector{alignment.vignetting.k});
     add_camera(artifact, "camera.color", alignment.color);
     add_transform(artifact, "depth_from_color", alignment.depth_from_color);
     std::vector<double> energy;
@@ -34,6 +36,8 @@ Alignment read_alignment(const std::filesystem::path& path)
     alignment.plane = read_planes(reader, "plane");
     alignment.gain = reader.array<float, Eigen::Vector3f>("gain", {count, 3});
     alignment.bias = reader.array<float, Eigen::Vector3f>("bias", {count, 3});
+    if (reader.has("vignetting"))
+        alignment.vignetting.k = reader.array<float, Eigen::Vector3f>("vignetting", {1, 3}).front();
     alignment.color = read_camera(reader, "camera.color");
     alignment.depth_from_color = read_transform(reader, "depth_from_color");
     const Tensor& energy = artifact.tensors.contains("energy") ? artifact.tensors.at("energy") : Tensor{};

@@ -184,6 +184,26 @@ TEST(OptimizeTexture, FindsTheGainsOfTheFrames)
     EXPECT_LT(relative_position_error(room, alignment), 0.3);
 }
 
+TEST(OptimizeTexture, FindsTheVignettingOfTheLens)
+{
+    for (const double loss : {0.0, 0.15, 0.4}) {
+        const auto room = textured_room({.gain_noise = 0.12, .vignetting = loss});
+        const auto alignment = align(room, small_room_params());
+        for (const double squared_radius : {0.2, 0.5, 0.8})
+            EXPECT_NEAR(alignment.vignetting.correction(squared_radius) * (1.0 - loss * squared_radius), 1.0, 0.02)
+                << loss << " at " << squared_radius;
+        EXPECT_LT(relative_position_error(room, alignment), 0.3) << loss;
+    }
+}
+
+TEST(OptimizeTexture, FindsNoVignettingWhereNothingTellsOfIt)
+{
+    auto params = small_room_params();
+    EXPECT_TRUE(align(textured_room({.textured = false}), params).vignetting.k.isZero(0.02f));
+    params.optimize_vignetting = false;
+    EXPECT_TRUE(align(textured_room({.vignetting = 0.4}), params).vignetting.k.isZero());
+}
+
 // Mean distance between where two colour cameras see the same points of the depth camera [px].
 double pixel_difference(const TexturedRoom& room, const Alignment& alignment, const Camera& color,
                         const Rigid& color_from_depth)
@@ -215,6 +235,22 @@ TEST(OptimizeTexture, FindsTheCalibrationOfTheColourCamera)
     EXPECT_LT(refined.energy.back()[0], 0.7 * fixed.energy.back()[0]);
     EXPECT_LT(pixel_difference(room, refined, color, color_from_depth),
               0.3 * pixel_difference(room, fixed, color, color_from_depth));
+}
+
+TEST(OptimizeTexture, RefinesTheColourCameraOnlyWhereColoursAgreeClearlyBetterThen)
+{
+    auto params = small_room_params();
+    params.calibration = CalibrationUse::Auto;
+    const auto well_described = textured_room({.position_noise = 0.005, .rotation_noise = 0.003});
+    EXPECT_EQ(align(well_described, params).color.fx, well_described.scan.color.fx);
+    const Rigid color_from_depth = exp_twist(twist({0.01, -0.02, 0.02}, {0.03, -0.02, 0.02}));
+    auto room = textured_room({.position_noise = 0.002, .rotation_noise = 0.001, .color_from_depth = color_from_depth});
+    room.scan.depth_from_color = Rigid::Identity();
+    const Camera color = room.scan.color;
+    const auto refined = align(room, params);
+    params.calibration = CalibrationUse::Fixed;
+    EXPECT_LT(pixel_difference(room, refined, color, color_from_depth),
+              0.3 * pixel_difference(room, align(room, params), color, color_from_depth));
 }
 
 TEST(OptimizeTexture, KeepsThePosesOfARoomWithoutTextureNearWhereDepthHoldsThem)

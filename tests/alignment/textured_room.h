@@ -44,6 +44,7 @@ struct RoomOptions {
     double position_noise = 0.01;                         // [m], size of the error of every camera
     double rotation_noise = 0.5 * std::numbers::pi / 180; // [rad]
     double gain_noise = 0.0;
+    double vignetting = 0.0;  // part of the light lost in the corners of the image
     double plane_error = 0.0; // [m], of the offsets of the input planes, to the inside and the outside in turn
     bool textured = true;
     bool saturated = false;
@@ -148,7 +149,9 @@ inline ColorImage draw_color(const RoomOptions& options, const Camera& camera, c
                                  world_from_camera.linear() * camera.ray(pixel)) /
                        9.0;
             }
-            const auto value = static_cast<std::uint8_t>(std::clamp(std::lround(255.0 * gain * sum), 0L, 255L));
+            const double light =
+                1.0 - options.vignetting * Vignetting::squared_radius(camera.width, camera.height, {x, y});
+            const auto value = static_cast<std::uint8_t>(std::clamp(std::lround(255.0 * light * gain * sum), 0L, 255L));
             image.at(x, y) = {value, value, value};
         }
     return image;

@@ -52,6 +52,16 @@ TEST(Schema, EveryValueSurvivesARoundTrip)
     }
 }
 
+TEST(Schema, VignettingIsWrittenWhereThereIsSome)
+{
+    const TemporaryFolder folder;
+    Alignment alignment = sample_alignment();
+    EXPECT_FALSE(to_artifact(alignment).tensors.contains("vignetting"));
+    alignment.vignetting.k = {0.25f, 0.125f, -0.5f};
+    write_artifact(folder / "a", to_artifact(alignment));
+    EXPECT_EQ(read_alignment(folder / "a").vignetting.k, alignment.vignetting.k);
+}
+
 // The files of version 1 as the first release wrote them. To add a version, run with QUOIN_WRITE_GOLDEN=1 and commit
 // the new file.
 TEST(Schema, GoldenFilesAreReadAndWrittenByteForByte)
