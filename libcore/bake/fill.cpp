@@ -10,18 +10,9 @@ namespace {
 
 bool is_face(const TexelChart& texels, int x, int y) { return texels.face.at(x, y) != kNoFace; }
 
-// A seen texel next to one that is not.
-bool is_rim_of_seen(const TexelChart& texels, const ChartColors& colors, int x, int y)
-{
-    for (int ny = std::max(0, y - 1); ny <= std::min(texels.height() - 1, y + 1); ++ny)
-        for (int nx = std::max(0, x - 1); nx <= std::min(texels.width() - 1, x + 1); ++nx)
-            if (is_face(texels, nx, ny) && colors.source.at(nx, ny) == TexelSource::Empty) return true;
-    return false;
-}
-
 TexelSource source_of_fill(const TexelChart& texels, int x, int y, TexelSource inside)
 {
-    return texels.inside.at(x, y) ? inside : TexelSource::Gutter;
+    return is_face(texels, x, y) ? inside : TexelSource::Gutter;
 }
 
 // Mean colour of the chart's own texels; nullopt when none has any.
@@ -88,6 +79,14 @@ void spread_means(const std::vector<std::vector<std::uint32_t>>& touching,
 }
 
 } // namespace
+
+bool is_rim_of_seen(const TexelChart& texels, const ChartColors& colors, int x, int y)
+{
+    for (int ny = std::max(0, y - 1); ny <= std::min(texels.height() - 1, y + 1); ++ny)
+        for (int nx = std::max(0, x - 1); nx <= std::min(texels.width() - 1, x + 1); ++nx)
+            if (is_face(texels, nx, ny) && colors.source.at(nx, ny) == TexelSource::Empty) return true;
+    return false;
+}
 
 Image<Eigen::Vector3f> push_pull(const Image<WeightedColor>& known)
 {

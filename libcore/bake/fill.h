@@ -9,6 +9,9 @@
 
 namespace quoin {
 
+// A texel of the chart that has colour, next to one that has none.
+bool is_rim_of_seen(const TexelChart& texels, const ChartColors& colors, int x, int y);
+
 // Fills unknown pixels (weight 0) smoothly from known ones, by averages over ever larger cells (push-pull, Gortler et
 // al. 1996). Known pixels keep their colour. Without any known pixel all become zero.
 Image<Eigen::Vector3f> push_pull(const Image<WeightedColor>& known);

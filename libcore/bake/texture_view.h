@@ -15,6 +15,11 @@ struct Sighting {
     double trust = 0.0;      // 0..1: lower near edges of depth and of the image, and where depth is missing
 };
 
+// What a sighting must keep away from: edges of depth and of the image, flat angles, the end of the mesh. Safe margins
+// allow for errors of pose and depth. The least ones are for what no view shows safely; whatever is seen by the safe
+// ones is seen by them.
+enum class Margins { Safe, Least };
+
 class TextureView {
 public:
     // Loads colour and depth of keyframe k and draws the mesh from its pose.
@@ -22,7 +27,8 @@ public:
 
     // nullopt when the point is out of sight: outside the image or the depth range, turned away, hidden by the mesh or
     // by something the mesh lacks, or too near to an edge of depth, where colours of two surfaces mix.
-    std::optional<Sighting> see(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world) const;
+    std::optional<Sighting> see(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world,
+                                Margins margins = Margins::Safe) const;
 
     // The colour there in the common exposure, 0..255 and beyond, from the pyramid level whose pixels are as large as a
     // texel of the given density [1/m].
@@ -37,7 +43,12 @@ public:
     bool may_see(const Eigen::Vector3d& centre_world, double radius) const; // could a ball be in the image?
 
 private:
-    double edge_ramp(double pixels_to_edge) const;
+    struct Limits {
+        double least_facing = 0.0;
+        double edge_margin = 0.0, border_margin = 0.0; // to edges of depth, and to the image's [px]
+        bool on_mesh = false;                          // the pixel must show this very place of the mesh
+    };
+    double edge_ramp(double pixels_to_edge, const Limits& limits) const;
     double depth_tolerance(double z, double facing, double focal) const; // [m]
 
     BakeTextureParams params_;
@@ -47,7 +58,7 @@ private:
     DepthImage drawn_, measured_;             // of the mesh in the colour camera; of the sensor in the depth camera
     Image<float> drawn_edge_, measured_edge_; // distance to the nearest edge of depth [px of the colour image]
     Eigen::Vector3f gain_, bias_;
-    double least_facing_;
+    Limits safe_, least_;
     double sharpness_ = 1.0;
 };
 
