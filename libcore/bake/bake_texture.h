@@ -39,8 +39,8 @@ struct BakeTextureParams {
     double depth_jump = 0.05;
     double edge_margin = 3.0;
     double edge_feather = 16.0;
-    double last_view_angle = 82.0;
-    double last_edge_margin = 1.0;
+    bool last_views = true;
+    double last_view_angle = 85.0;
     double consistency = 8.0;
     double label_smoothness = 0.5;
     double band_width = 0.02;
@@ -89,13 +89,10 @@ struct BakeTextureParams {
                   "pixels of a view this near to an edge of depth or to the image border are not used", 1.0, 100.0},
             Param{"edge_feather", &P::edge_feather, "px", "width over which a view's weight falls towards such an edge",
                   0.0, 1000.0},
-            Param{
-                "last_view_angle", &P::last_view_angle, "deg",
-                "what no view shows within max_view_angle and edge_margin comes from the best that looks at it no more "
-                "obliquely than this",
-                10.0, 89.0},
-            Param{"last_edge_margin", &P::last_edge_margin, "px",
-                  "... and no nearer to an edge of depth than this; as large as edge_margin = from none", 0.0, 100.0},
+            Param{"last_views", &P::last_views, "",
+                  "colour what no view shows within edge_margin and max_view_angle from the best that shows it at all"},
+            Param{"last_view_angle", &P::last_view_angle, "deg", "how obliquely the last views may look at a surface",
+                  10.0, 89.0},
             Param{"consistency", &P::consistency, "",
                   "deviation from the other views of a tile, in grey levels, at which a view's weight falls to 0.6",
                   0.5, 1000.0},

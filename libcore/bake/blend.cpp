@@ -103,7 +103,10 @@ std::vector<ChartTiles> judge_views(const Atlas& atlas, const BakeInput& input, 
         });
     });
     parallel_for(order.size(), [&](std::size_t i) {
-        drop_needless_last_views(tiles[order[i]]);
+        if (params.last_views)
+            keep_last_views_of_gaps(tiles[order[i]]);
+        else
+            tiles[order[i]].last_view.clear();
         rate_consistency(tiles[order[i]], params.consistency);
         choose_labels(tiles[order[i]], params.label_smoothness);
     });

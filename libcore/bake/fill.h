@@ -20,8 +20,8 @@ Image<Eigen::Vector3f> push_pull(const Image<WeightedColor>& known);
 // along the border of what was seen.
 void fill_from_dense(const PlaneMesh& planes, const TexelChart& texels, const DenseColors& dense, ChartColors& colors);
 
-// Fills the other texels from within their chart, and charts without any colour from those they touch, else from the
-// mean of all. Gutters continue the chart. Afterwards every texel of every rectangle has colour.
+// Fills the other texels from within their chart, and charts without any colour from what those around show where they
+// touch, else from the mean of all. Gutters continue the chart. Afterwards every texel of every rectangle has colour.
 void fill_rest(const PlaneMesh& planes, const Atlas& atlas, std::vector<ChartColors>& colors);
 
 } // namespace quoin

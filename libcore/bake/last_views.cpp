@@ -42,7 +42,8 @@ void LastViews::add_tile(const TextureView& view, const TexelPositions& position
         const double resolution = std::min(1.0, sighting->resolution / density);
         const auto quality = static_cast<float>(sighting->trust * sighting->facing * resolution * view.sharpness());
         if (quality <= best_[gap][i].weight) return;
-        best_[gap][i] = {quality * view.color(*sighting, density), quality};
+        // At full resolution: coarser pixels would mix in what lies beyond an edge.
+        best_[gap][i] = {quality * view.color(*sighting, sighting->resolution), quality};
     });
 }
 

@@ -15,9 +15,9 @@ struct Sighting {
     double trust = 0.0;      // 0..1: lower near edges of depth and of the image, and where depth is missing
 };
 
-// What a sighting must keep away from: edges of depth and of the image, flat angles, the end of the mesh. Safe margins
-// allow for errors of pose and depth. The least ones are for what no view shows safely; whatever is seen by the safe
-// ones is seen by them.
+// What a sighting must keep away from: edges of depth and of the image, and flat angles. The safe margins allow for
+// errors of pose and depth. The least ones are for what no view shows safely: the pixels that the colour mixes must all
+// show this surface of the mesh. Neither lets the measured depth say that something else is there.
 enum class Margins { Safe, Least };
 
 class TextureView {
@@ -45,10 +45,9 @@ public:
 private:
     struct Limits {
         double least_facing = 0.0;
-        double edge_margin = 0.0, border_margin = 0.0; // to edges of depth, and to the image's [px]
-        bool on_mesh = false;                          // the pixel must show this very place of the mesh
+        double edge = 0.0, border = 0.0; // distances to edges of depth and the image's [px]
     };
-    double edge_ramp(double pixels_to_edge, const Limits& limits) const;
+    double edge_ramp(double pixels_to_edge, double margin) const;
     double depth_tolerance(double z, double facing, double focal) const; // [m]
 
     BakeTextureParams params_;

@@ -11,6 +11,7 @@ constexpr std::size_t kSamplesPerTile = 16;
 constexpr float kLeastConsistency = 1e-3f;    // a lone dissenter is better than no colour
 constexpr double kMedianToDeviation = 1.4826; // of a normal distribution
 constexpr int kLabelRounds = 20;
+static_assert(kSamplesPerTile <= std::numeric_limits<SampleSet>::digits);
 
 int tiles_along(int texels) { return (texels + kTileSize - 1) / kTileSize; }
 
@@ -132,7 +133,7 @@ TileSamples::Judgement TileSamples::judge_tile(const TextureView& view, std::siz
     double seen = 0.0, quality = 0.0;
     for (std::size_t i = 0; i < sample_[tile].size(); ++i) {
         const auto& sample = sample_[tile][i];
-        if (!view.see(sample.p_world, sample.normal_world, Margins::Least)) continue;
+        if (!view.see(sample.p_world, sample.normal_world, Margins::Least)) continue; // nor by the safe ones, then
         judgement.by_least_margins = true;
         const auto sighting = view.see(sample.p_world, sample.normal_world);
         if (!sighting) continue;
@@ -164,7 +165,7 @@ void TileSamples::judge(const TextureView& view, std::uint32_t keyframe, ChartTi
     }
 }
 
-void drop_needless_last_views(ChartTiles& tiles)
+void keep_last_views_of_gaps(ChartTiles& tiles)
 {
     for (std::size_t tile = 0; tile < tiles.unseen.size(); ++tile)
         if (tiles.unseen[tile] == 0) tiles.last_view[tile] = {};

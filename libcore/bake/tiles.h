@@ -60,7 +60,7 @@ private:
 };
 
 // Leaves last views only to tiles that have unseen samples.
-void drop_needless_last_views(ChartTiles& tiles);
+void keep_last_views_of_gaps(ChartTiles& tiles);
 
 // Lowers the consistency of views whose colour on a tile is far from the median of all views' (`deviation` in grey
 // levels is one standard deviation).
