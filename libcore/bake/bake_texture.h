@@ -39,6 +39,8 @@ struct BakeTextureParams {
     double depth_jump = 0.05;
     double edge_margin = 3.0;
     double edge_feather = 16.0;
+    bool last_views = true;
+    double last_view_angle = 85.0;
     double consistency = 8.0;
     double label_smoothness = 0.5;
     double band_width = 0.02;
@@ -87,6 +89,10 @@ struct BakeTextureParams {
                   "pixels of a view this near to an edge of depth or to the image border are not used", 1.0, 100.0},
             Param{"edge_feather", &P::edge_feather, "px", "width over which a view's weight falls towards such an edge",
                   0.0, 1000.0},
+            Param{"last_views", &P::last_views, "",
+                  "colour what no view shows within edge_margin and max_view_angle from the best that shows it at all"},
+            Param{"last_view_angle", &P::last_view_angle, "deg", "how obliquely the last views may look at a surface",
+                  10.0, 89.0},
             Param{"consistency", &P::consistency, "",
                   "deviation from the other views of a tile, in grey levels, at which a view's weight falls to 0.6",
                   0.5, 1000.0},

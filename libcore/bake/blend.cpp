@@ -1,5 +1,6 @@
 #include "bake/blend.h"
 
+#include "bake/last_views.h"
 #include "bake/low_band.h"
 #include "bake/tiles.h"
 #include "base/parallel.h"
@@ -102,6 +103,10 @@ std::vector<ChartTiles> judge_views(const Atlas& atlas, const BakeInput& input, 
         });
     });
     parallel_for(order.size(), [&](std::size_t i) {
+        if (params.last_views)
+            keep_last_views_of_gaps(tiles[order[i]]);
+        else
+            tiles[order[i]].last_view.clear();
         rate_consistency(tiles[order[i]], params.consistency);
         choose_labels(tiles[order[i]], params.label_smoothness);
     });
@@ -115,7 +120,7 @@ public:
                const BakeTextureParams& params)
         : texels_(&texels), tiles_(&tiles), params_(&params), positions_(planes, texels),
           cell_(std::max(1, static_cast<int>(std::lround(params.band_width * texels.chart.density)))),
-          mean_(texels.width(), texels.height())
+          mean_(texels.width(), texels.height()), last_views_(texels, tiles)
     {
         if (params.blend != Blend::Mean) best_ = Image<WeightedColor>(texels.width(), texels.height());
     }
@@ -139,6 +144,7 @@ private:
     int cell_; // [texel]
     Image<WeightedColor> mean_;
     Image<WeightedColor> best_; // whole colours (best-view) or those above the low band (two-band)
+    LastViews last_views_;
 };
 
 void ChartBlend::sample_tile(const TextureView& view, const TileWeights& weights, const Eigen::Vector2i& tile,
@@ -198,6 +204,7 @@ void ChartBlend::add_best(const Patch& patch, const TileWeights& weights)
 
 void ChartBlend::add(const TextureView& view, std::uint32_t keyframe)
 {
+    last_views_.add(view, keyframe, positions_);
     const TileWeights weights(*tiles_, keyframe);
     if (!weights.any_view()) return;
     const Patch patch = sample(view, weights);
@@ -220,8 +227,9 @@ ChartColors ChartBlend::finish() const
                 if (low) color += low->at(x, y);
             }
             result.color.at(x, y) = color;
-            result.source.at(x, y) = texels_->inside.at(x, y) ? TexelSource::Photograph : TexelSource::Gutter;
+            result.source.at(x, y) = TexelSource::Photograph;
         }
+    last_views_.fill_gaps(result, params_->seam_step);
     return result;
 }
 

@@ -3,6 +3,7 @@
 #include "base/parallel.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 namespace quoin {
@@ -10,18 +11,16 @@ namespace {
 
 bool is_face(const TexelChart& texels, int x, int y) { return texels.face.at(x, y) != kNoFace; }
 
-// A seen texel next to one that is not.
-bool is_rim_of_seen(const TexelChart& texels, const ChartColors& colors, int x, int y)
+template <class ImageOfPixels>
+auto& at_texel(ImageOfPixels& image, const Eigen::Vector2d& texel)
 {
-    for (int ny = std::max(0, y - 1); ny <= std::min(texels.height() - 1, y + 1); ++ny)
-        for (int nx = std::max(0, x - 1); nx <= std::min(texels.width() - 1, x + 1); ++nx)
-            if (is_face(texels, nx, ny) && colors.source.at(nx, ny) == TexelSource::Empty) return true;
-    return false;
+    return image.at(std::clamp(static_cast<int>(std::lround(texel.x())), 0, image.width - 1),
+                    std::clamp(static_cast<int>(std::lround(texel.y())), 0, image.height - 1));
 }
 
 TexelSource source_of_fill(const TexelChart& texels, int x, int y, TexelSource inside)
 {
-    return texels.inside.at(x, y) ? inside : TexelSource::Gutter;
+    return is_face(texels, x, y) ? inside : TexelSource::Gutter;
 }
 
 // Mean colour of the chart's own texels; nullopt when none has any.
@@ -35,11 +34,9 @@ std::optional<Eigen::Vector3f> mean_color(const TexelChart& texels, const ChartC
     return mean.color();
 }
 
-void fill_chart(const TexelChart& texels, ChartColors& colors)
+// Gives all texels without colour the smooth continuation of the known ones.
+void fill_around(const Image<WeightedColor>& known, const TexelChart& texels, ChartColors& colors)
 {
-    Image<WeightedColor> known(texels.width(), texels.height());
-    for (std::size_t i = 0; i < known.pixels.size(); ++i)
-        if (colors.source.pixels[i] != TexelSource::Empty) known.pixels[i].add(colors.color.pixels[i], 1.0f);
     const auto filled = push_pull(known);
     for (int y = 0; y < texels.height(); ++y)
         for (int x = 0; x < texels.width(); ++x) {
@@ -49,45 +46,74 @@ void fill_chart(const TexelChart& texels, ChartColors& colors)
         }
 }
 
-// Charts that share a vertex.
-std::vector<std::vector<std::uint32_t>> touching_charts(const PlaneMesh& planes, const Atlas& atlas)
+void fill_from_within(const TexelChart& texels, ChartColors& colors)
 {
-    std::vector<std::vector<std::uint32_t>> of_vertex(planes.mesh.position.size());
-    for (FaceId f = 0; f < planes.mesh.face.size(); ++f)
-        for (const VertexId v : planes.mesh.face[f])
-            of_vertex[v].push_back(atlas.face_chart[f]);
-    std::vector<std::vector<std::uint32_t>> touching(atlas.chart.size());
-    for (auto& charts : of_vertex) {
-        std::ranges::sort(charts);
-        charts.erase(std::ranges::unique(charts).begin(), charts.end());
-        for (const auto a : charts)
-            for (const auto b : charts)
-                if (a != b) touching[a].push_back(b);
-    }
-    return touching;
+    Image<WeightedColor> known(texels.width(), texels.height());
+    for (std::size_t i = 0; i < known.pixels.size(); ++i)
+        if (colors.source.pixels[i] != TexelSource::Empty) known.pixels[i].add(colors.color.pixels[i], 1.0f);
+    fill_around(known, texels, colors);
 }
 
-// Colours of the charts that have none, ring by ring from those that have one.
-void spread_means(const std::vector<std::vector<std::uint32_t>>& touching,
-                  std::vector<std::optional<Eigen::Vector3f>>& mean)
-{
-    for (bool spread = true; spread;) {
-        spread = false;
-        auto next = mean;
-        for (std::size_t c = 0; c < mean.size(); ++c) {
-            if (mean[c]) continue;
-            WeightedColor around;
-            for (const auto other : touching[c])
-                if (mean[other]) around.add(*mean[other], 1.0f);
-            if (around.weight == 0.0f) continue;
-            next[c] = around.color();
-            spread = true;
-        }
-        mean = std::move(next);
+// Colours charts that have none of their own, ring by ring from those that have.
+class NeighbourFill {
+public:
+    NeighbourFill(const PlaneMesh& planes, const Atlas& atlas, std::vector<char> colored)
+        : mesh_(planes.mesh), atlas_(atlas), colored_(std::move(colored)), charts_of_vertex_(mesh_.position.size())
+    {
+        for (FaceId f = 0; f < mesh_.face.size(); ++f)
+            for (const VertexId v : mesh_.face[f])
+                if (auto& charts = charts_of_vertex_[v]; std::ranges::count(charts, atlas.face_chart[f]) == 0)
+                    charts.push_back(atlas.face_chart[f]);
     }
-}
+
+    // False when no chart without colour touches one with colour.
+    bool fill_ring(std::vector<ChartColors>& colors)
+    {
+        std::vector<char> filled(colored_.size(), 0);
+        parallel_for(colored_.size(), [&](std::size_t c) {
+            if (colored_[c]) return;
+            const auto known = colors_at_vertices(c, colors);
+            if (std::ranges::none_of(known.pixels, [](const auto& p) { return p.weight > 0.0f; })) return;
+            fill_around(known, atlas_.chart[c], colors[c]);
+            filled[c] = 1;
+        });
+        for (std::size_t c = 0; c < filled.size(); ++c)
+            colored_[c] |= filled[c];
+        return std::ranges::count(filled, 1) > 0;
+    }
+
+private:
+    // What the coloured charts around show where the chart touches them.
+    Image<WeightedColor> colors_at_vertices(std::size_t c, const std::vector<ChartColors>& colors) const
+    {
+        const TexelChart& texels = atlas_.chart[c];
+        Image<WeightedColor> known(texels.width(), texels.height());
+        for (const FaceId f : texels.chart.face)
+            for (int k = 0; k < 3; ++k) {
+                const Eigen::Vector3d p_world = corner(mesh_, f, k);
+                for (const auto other : charts_of_vertex_[mesh_.face[f][static_cast<std::size_t>(k)]])
+                    if (colored_[other])
+                        at_texel(known, texels.texel(p_world))
+                            .add(at_texel(colors[other].color, atlas_.chart[other].texel(p_world)), 1.0f);
+            }
+        return known;
+    }
+
+    const TriangleMesh& mesh_;
+    const Atlas& atlas_;
+    std::vector<char> colored_;
+    std::vector<std::vector<std::uint32_t>> charts_of_vertex_;
+};
 
 } // namespace
+
+bool is_rim_of_seen(const TexelChart& texels, const ChartColors& colors, int x, int y)
+{
+    for (int ny = std::max(0, y - 1); ny <= std::min(texels.height() - 1, y + 1); ++ny)
+        for (int nx = std::max(0, x - 1); nx <= std::min(texels.width() - 1, x + 1); ++nx)
+            if (is_face(texels, nx, ny) && colors.source.at(nx, ny) == TexelSource::Empty) return true;
+    return false;
+}
 
 Image<Eigen::Vector3f> push_pull(const Image<WeightedColor>& known)
 {
@@ -149,23 +175,26 @@ void fill_from_dense(const PlaneMesh& planes, const TexelChart& texels, const De
 
 void fill_rest(const PlaneMesh& planes, const Atlas& atlas, std::vector<ChartColors>& colors)
 {
+    std::vector<char> colored(atlas.chart.size(), 0);
     std::vector<std::optional<Eigen::Vector3f>> mean(atlas.chart.size());
-    parallel_for(atlas.chart.size(), [&](std::size_t c) { mean[c] = mean_color(atlas.chart[c], colors[c]); });
+    parallel_for(atlas.chart.size(), [&](std::size_t c) {
+        mean[c] = mean_color(atlas.chart[c], colors[c]);
+        colored[c] = mean[c] ? 1 : 0;
+        if (mean[c]) fill_from_within(atlas.chart[c], colors[c]);
+    });
+    NeighbourFill neighbours(planes, atlas, std::move(colored));
+    while (neighbours.fill_ring(colors)) {
+    }
+
+    constexpr float kMidGray = 128.0f; // nothing has colour at all
     WeightedColor overall;
     for (const auto& color : mean)
         if (color) overall.add(*color, 1.0f);
-    constexpr float kMidGray = 128.0f; // nothing has colour at all
     const Eigen::Vector3f fallback = overall.weight > 0.0f ? overall.color() : Eigen::Vector3f::Constant(kMidGray);
-    std::vector<std::optional<Eigen::Vector3f>> own = mean;
-    spread_means(touching_charts(planes, atlas), mean);
-
     parallel_for(atlas.chart.size(), [&](std::size_t c) {
-        const TexelChart& texels = atlas.chart[c];
-        if (own[c]) return fill_chart(texels, colors[c]);
-        std::ranges::fill(colors[c].color.pixels, mean[c].value_or(fallback));
-        for (int y = 0; y < texels.height(); ++y)
-            for (int x = 0; x < texels.width(); ++x)
-                colors[c].source.at(x, y) = source_of_fill(texels, x, y, TexelSource::Filled);
+        Image<WeightedColor> known(atlas.chart[c].width(), atlas.chart[c].height());
+        known.pixels[0].add(fallback, 1.0f);
+        fill_around(known, atlas.chart[c], colors[c]);
     });
 }
 

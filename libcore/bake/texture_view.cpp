@@ -74,9 +74,20 @@ std::vector<ColorImage> pyramid(ColorImage image)
     return levels;
 }
 
+double cosine(double degrees) { return std::cos(degrees * std::numbers::pi / 180.0); }
+
 Eigen::Vector2i nearest(const Eigen::Vector2d& pixel)
 {
     return {static_cast<int>(std::floor(pixel.x() + 0.5)), static_cast<int>(std::floor(pixel.y() + 0.5))};
+}
+
+// Does the predicate hold for the four pixels that a bilinear sample mixes?
+template <class Predicate>
+bool all_mixed(const Eigen::Vector2d& pixel, const Predicate& predicate)
+{
+    const int x0 = static_cast<int>(std::floor(pixel.x())), x1 = static_cast<int>(std::ceil(pixel.x()));
+    const int y0 = static_cast<int>(std::floor(pixel.y())), y1 = static_cast<int>(std::ceil(pixel.y()));
+    return predicate(x0, y0) && predicate(x1, y0) && predicate(x0, y1) && predicate(x1, y1);
 }
 
 } // namespace
@@ -88,8 +99,9 @@ TextureView::TextureView(const BakeInput& input, std::size_t k, const BakeTextur
       drawn_(rasterize(input.planes.mesh, color_camera_, color_from_world_).depth),
       measured_(input.images.depth(input.keyframes.frame[k])), drawn_edge_(distance_to_drawn_edges(drawn_, params)),
       measured_edge_(grow_distances(depth_steps(measured_, params.depth_jump, params.depth_noise), kFarFromEdges)),
-      gain_(input.alignment.gain[k]), bias_(input.alignment.bias[k]), vignetting_(input.alignment.vignetting),
-      least_facing_(std::cos(params.max_view_angle * std::numbers::pi / 180.0))
+      gain_(input.alignment.gain[k]), bias_(input.alignment.bias[k]),
+      vignetting_(input.alignment.vignetting), safe_{cosine(params.max_view_angle), params.edge_margin, 1.0},
+      least_{std::min(safe_.least_facing, cosine(params.last_view_angle)), 0.0, 0.0}
 {
     const FrameId frame = input.keyframes.frame[k];
     const float blur = frame < input.keyframes.blur.size() ? input.keyframes.blur[frame] : 0.0f;
@@ -109,11 +121,11 @@ std::size_t TextureView::bytes() const
     return result;
 }
 
-double TextureView::edge_ramp(double pixels_to_edge) const
+double TextureView::edge_ramp(double pixels_to_edge, double margin) const
 {
-    if (pixels_to_edge < params_.edge_margin) return 0.0;
-    if (pixels_to_edge >= params_.edge_margin + params_.edge_feather) return 1.0;
-    return std::max(kLeastRamp, (pixels_to_edge - params_.edge_margin) / params_.edge_feather);
+    if (pixels_to_edge < margin) return 0.0;
+    if (pixels_to_edge >= margin + params_.edge_feather) return 1.0;
+    return std::max(kLeastRamp, (pixels_to_edge - margin) / params_.edge_feather);
 }
 
 // Beside error and noise, the depth of an oblique surface changes within a pixel.
@@ -122,21 +134,27 @@ double TextureView::depth_tolerance(double z, double facing, double focal) const
     return std::max(params_.depth_tolerance, kSigmas * params_.depth_noise * z * z) + z / (focal * facing);
 }
 
-std::optional<Sighting> TextureView::see(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world) const
+std::optional<Sighting> TextureView::see(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world,
+                                         Margins margins) const
 {
+    const Limits& limits = margins == Margins::Safe ? safe_ : least_;
     const Eigen::Vector3d p_color = color_from_world_ * p_world;
     if (p_color.z() < params_.min_depth || p_color.z() > params_.max_depth) return std::nullopt;
     const Eigen::Vector2d pixel = color_camera_.project(p_color);
-    if (!color_camera_.contains(pixel, 1.0)) return std::nullopt;
+    if (!color_camera_.contains(pixel, limits.border)) return std::nullopt;
     const double facing = -(color_from_world_.linear() * normal_world).dot(p_color) / p_color.norm();
-    if (facing < least_facing_) return std::nullopt;
+    if (facing < limits.least_facing) return std::nullopt;
 
     const Eigen::Vector2i at = nearest(pixel);
-    const double drawn = drawn_.at(at.x(), at.y());
-    double trust = edge_ramp(drawn_edge_.at(at.x(), at.y()));
-    if (trust == 0.0 || drawn == 0.0 ||
-        std::abs(drawn - p_color.z()) > depth_tolerance(p_color.z(), facing, color_camera_.fx))
-        return std::nullopt;
+    double trust = edge_ramp(drawn_edge_.at(at.x(), at.y()), limits.edge);
+    if (trust == 0.0) return std::nullopt;
+    const double tolerance = depth_tolerance(p_color.z(), facing, color_camera_.fx);
+    const auto shows_surface = [&](int x, int y) {
+        return drawn_.at(x, y) > 0.0 && std::abs(drawn_.at(x, y) - p_color.z()) <= tolerance;
+    };
+    if (!shows_surface(at.x(), at.y())) return std::nullopt;
+    // The safe margins keep all that a colour mixes away from edges.
+    if (margins == Margins::Least && !all_mixed(pixel, shows_surface)) return std::nullopt;
 
     const Eigen::Vector3d p_depth = depth_from_world_ * p_world;
     const Eigen::Vector2i at_depth =
@@ -147,7 +165,7 @@ std::optional<Sighting> TextureView::see(const Eigen::Vector3d& p_world, const E
         trust *= kUnmeasuredTrust;
     else if (std::abs(measured - p_depth.z()) > depth_tolerance(p_depth.z(), facing, depth_camera_.fx))
         return std::nullopt;
-    if (measured > 0.0) trust *= edge_ramp(measured_edge_.at(at_depth.x(), at_depth.y()));
+    if (measured > 0.0) trust *= edge_ramp(measured_edge_.at(at_depth.x(), at_depth.y()), limits.edge);
     if (trust == 0.0) return std::nullopt;
     return Sighting{pixel, color_camera_.fx * std::sqrt(facing) / p_color.z(), facing, trust};
 }

@@ -15,6 +15,11 @@ struct Sighting {
     double trust = 0.0;      // 0..1: lower near edges of depth and of the image, and where depth is missing
 };
 
+// What a sighting must keep away from: edges of depth and of the image, and flat angles. The safe margins allow for
+// errors of pose and depth. The least ones are for what no view shows safely: the pixels that the colour mixes must all
+// show this surface of the mesh. Neither lets the measured depth say that something else is there.
+enum class Margins { Safe, Least };
+
 class TextureView {
 public:
     // Loads colour and depth of keyframe k and draws the mesh from its pose.
@@ -22,7 +27,8 @@ public:
 
     // nullopt when the point is out of sight: outside the image or the depth range, turned away, hidden by the mesh or
     // by something the mesh lacks, or too near to an edge of depth, where colours of two surfaces mix.
-    std::optional<Sighting> see(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world) const;
+    std::optional<Sighting> see(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world,
+                                Margins margins = Margins::Safe) const;
 
     // The colour there in the common exposure, 0..255 and beyond, from the pyramid level whose pixels are as large as a
     // texel of the given density [1/m].
@@ -37,7 +43,11 @@ public:
     bool may_see(const Eigen::Vector3d& centre_world, double radius) const; // could a ball be in the image?
 
 private:
-    double edge_ramp(double pixels_to_edge) const;
+    struct Limits {
+        double least_facing = 0.0;
+        double edge = 0.0, border = 0.0; // distances to edges of depth and the image's [px]
+    };
+    double edge_ramp(double pixels_to_edge, double margin) const;
     double depth_tolerance(double z, double facing, double focal) const; // [m]
     float correction(const Eigen::Vector2d& pixel) const;
 
@@ -49,7 +59,7 @@ private:
     Image<float> drawn_edge_, measured_edge_; // distance to the nearest edge of depth [px of the colour image]
     Eigen::Vector3f gain_, bias_;
     Vignetting vignetting_;
-    double least_facing_;
+    Limits safe_, least_;
     double sharpness_ = 1.0;
 };
 

@@ -11,6 +11,7 @@ constexpr std::size_t kSamplesPerTile = 16;
 constexpr float kLeastConsistency = 1e-3f;    // a lone dissenter is better than no colour
 constexpr double kMedianToDeviation = 1.4826; // of a normal distribution
 constexpr int kLabelRounds = 20;
+static_assert(kSamplesPerTile <= std::numeric_limits<SampleSet>::digits);
 
 int tiles_along(int texels) { return (texels + kTileSize - 1) / kTileSize; }
 
@@ -114,40 +115,60 @@ TileSamples::TileSamples(const PlaneMesh& planes, const TexelChart& texels)
 
 ChartTiles TileSamples::empty_tiles() const
 {
-    return {columns_, rows_, std::vector<std::vector<TileView>>(sample_.size()),
-            std::vector<std::uint32_t>(sample_.size(), kNoView)};
+    ChartTiles tiles;
+    tiles.columns = columns_;
+    tiles.rows = rows_;
+    tiles.view.resize(sample_.size());
+    tiles.label.resize(sample_.size(), kNoView);
+    tiles.last_view.resize(sample_.size());
+    for (const auto& samples : sample_)
+        tiles.unseen.push_back(static_cast<SampleSet>((1u << samples.size()) - 1u));
+    return tiles;
 }
 
-TileView TileSamples::judge_tile(const TextureView& view, std::size_t tile) const
+TileSamples::Judgement TileSamples::judge_tile(const TextureView& view, std::size_t tile) const
 {
-    TileView result;
+    Judgement judgement;
+    TileView& result = judgement.view;
     double seen = 0.0, quality = 0.0;
-    for (const auto& sample : sample_[tile]) {
+    for (std::size_t i = 0; i < sample_[tile].size(); ++i) {
+        const auto& sample = sample_[tile][i];
+        if (!view.see(sample.p_world, sample.normal_world, Margins::Least)) continue; // nor by the safe ones, then
+        judgement.by_least_margins = true;
         const auto sighting = view.see(sample.p_world, sample.normal_world);
         if (!sighting) continue;
+        judgement.seen |= static_cast<SampleSet>(1u << i);
         const double resolution = std::min(1.0, sighting->resolution / density_);
         quality +=
             resolution * resolution * std::sqrt(sighting->facing) * sighting->trust * view.centring(sighting->pixel);
         result.color += view.color(*sighting, density_);
         seen += 1.0;
     }
-    if (seen == 0.0) return result;
+    if (seen == 0.0) return judgement;
     result.color /= static_cast<float>(seen);
     // A view that shows half of a tile leaves a seam inside it.
     const double part = seen / static_cast<double>(sample_[tile].size());
     result.quality = static_cast<float>(quality / seen * part * part * view.sharpness() * view.sharpness());
-    return result;
+    return judgement;
 }
 
 void TileSamples::judge(const TextureView& view, std::uint32_t keyframe, ChartTiles& tiles) const
 {
     if (!view.may_see(centre_, radius_)) return;
     for (std::size_t tile = 0; tile < sample_.size(); ++tile) {
-        TileView judged = judge_tile(view, tile);
+        auto [judged, seen, by_least_margins] = judge_tile(view, tile);
+        if (by_least_margins) tiles.last_view[tile].push_back(keyframe);
+        tiles.unseen[tile] &= static_cast<SampleSet>(~seen);
         if (!(judged.quality > 0.0f)) continue;
         judged.keyframe = keyframe;
         tiles.view[tile].push_back(judged);
     }
+}
+
+void keep_last_views_of_gaps(ChartTiles& tiles)
+{
+    for (std::size_t tile = 0; tile < tiles.unseen.size(); ++tile)
+        if (tiles.unseen[tile] == 0) tiles.last_view[tile] = {};
 }
 
 void rate_consistency(ChartTiles& tiles, double deviation)

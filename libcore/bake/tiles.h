@@ -18,10 +18,15 @@ struct TileView {
     Eigen::Vector3f color = Eigen::Vector3f::Zero(); // mean over the tile's samples, common exposure
 };
 
+using SampleSet = std::uint16_t; // a bit for each sample of a tile
+
 struct ChartTiles {
     int columns = 0, rows = 0;
-    std::vector<std::vector<TileView>> view; // of every tile, row by row; keyframes ascending
-    std::vector<std::uint32_t> label;        // keyframe that shows the tile; kNoView where none sees it
+    std::vector<std::vector<TileView>> view;           // of every tile, row by row; keyframes ascending
+    std::vector<std::uint32_t> label;                  // keyframe that shows the tile; kNoView where none sees it
+    std::vector<SampleSet> unseen;                     // samples of every tile that no view sees by the safe margins
+    std::vector<std::vector<std::uint32_t>> last_view; // of every tile: keyframes that see some of it by the least
+                                                       // margins, ascending
     std::size_t index(int column, int row) const
     {
         return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns) + static_cast<std::size_t>(column);
@@ -40,7 +45,12 @@ private:
     struct Sample {
         Eigen::Vector3d p_world, normal_world;
     };
-    TileView judge_tile(const TextureView& view, std::size_t tile) const;
+    struct Judgement {
+        TileView view;
+        SampleSet seen = 0;            // by the safe margins
+        bool by_least_margins = false; // is any sample seen by these?
+    };
+    Judgement judge_tile(const TextureView& view, std::size_t tile) const;
 
     int columns_, rows_;
     double density_;
@@ -48,6 +58,9 @@ private:
     Eigen::Vector3d centre_ = Eigen::Vector3d::Zero(); // of a ball around all samples
     double radius_ = 0.0;
 };
+
+// Leaves last views only to tiles that have unseen samples.
+void keep_last_views_of_gaps(ChartTiles& tiles);
 
 // Lowers the consistency of views whose colour on a tile is far from the median of all views' (`deviation` in grey
 // levels is one standard deviation).

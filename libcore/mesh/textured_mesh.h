@@ -7,7 +7,7 @@
 
 namespace quoin {
 
-// Where a texel's colour comes from.
+// Where a texel's colour comes from. Gutter: from the chart beside it; no look-up on a face in full size reads it.
 enum class TexelSource : std::uint8_t { Empty = 0, Photograph = 1, DenseMesh = 2, Filled = 3, Gutter = 4 };
 
 struct AtlasPage {

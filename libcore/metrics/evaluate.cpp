@@ -3,9 +3,9 @@
 #include "base/error.h"
 #include "mesh/hygiene.h"
 #include "metrics/surface.h"
+#include "metrics/texture_metrics.h"
 #include "metrics/truth_metrics.h"
 #include "metrics/view_metrics.h"
-#include "render/textured.h"
 
 #include <algorithm>
 #include <array>
@@ -185,42 +185,6 @@ void add_surfaces(MetricList& list, const Evaluated& inputs, const EvaluateParam
     }
 }
 
-// Where the colours of the surface come from, by area, and how full the atlas is.
-void add_texture(MetricList& list, const TexturedMesh& mesh, const EvaluateParams& params)
-{
-    const TexturedModel model(mesh);
-    std::array<double, 5> by_source{};
-    const std::vector<SurfaceSample> samples =
-        sample_surface(mesh.planes.mesh, static_cast<std::size_t>(params.samples));
-    double density = 0.0;
-    for (const SurfaceSample& s : samples) {
-        const Image<std::uint8_t>& source = model.pages()[mesh.face_page[s.face]].source;
-        if (source.empty()) continue;
-        const Eigen::Vector2d texel = model.texel(s.face, s.weights);
-        const int x = std::clamp(static_cast<int>(std::lround(texel.x())), 0, source.width - 1),
-                  y = std::clamp(static_cast<int>(std::lround(texel.y())), 0, source.height - 1);
-        if (source.at(x, y) < by_source.size()) by_source[source.at(x, y)] += 1.0 / static_cast<double>(samples.size());
-    }
-    double used = 0.0, all = 0.0;
-    for (const TexturePyramid& page : model.pages()) {
-        all += static_cast<double>(page.level[0].pixels.size());
-        used +=
-            static_cast<double>(std::count_if(page.source.pixels.begin(), page.source.pixels.end(), [](std::uint8_t s) {
-                return s != static_cast<std::uint8_t>(TexelSource::Empty) &&
-                       s != static_cast<std::uint8_t>(TexelSource::Gutter);
-            }));
-    }
-    const auto area = [&](TexelSource s) { return by_source[static_cast<std::size_t>(s)]; };
-    for (FaceId f = 0; f < mesh.planes.mesh.face.size(); ++f)
-        density += face_area(mesh.planes.mesh, f);
-    list.higher("texture.photograph", "", area(TexelSource::Photograph));
-    list.plain("texture.dense_mesh", "", area(TexelSource::DenseMesh));
-    list.plain("texture.filled", "", area(TexelSource::Filled));
-    list.lower("texture.empty", "", area(TexelSource::Empty) + area(TexelSource::Gutter));
-    list.higher("texture.atlas_use", "", used / all);
-    list.plain("texture.density", "px/m", std::sqrt(used / density));
-}
-
 void check(const Evaluated& inputs)
 {
     if (!inputs.model() && !inputs.dense)
@@ -249,7 +213,7 @@ Metrics evaluate(const Evaluated& inputs, const EvaluateParams& params)
         add_pose_metrics(list, inputs);
         add_exposure_metrics(list, inputs);
     }
-    if (inputs.textured) add_texture(list, *inputs.textured, params);
+    if (inputs.textured) add_texture_metrics(list, inputs, params);
     add_view_metrics(list, inputs, params);
     return list.take();
 }

@@ -31,6 +31,9 @@ struct EvaluateParams {
     int refine_rounds = 3;
     double depth_tolerance = 0.05;
     int supersampling = 2;
+    double seen_min_depth = 0.3;
+    double seen_max_depth = 8.0;
+    double seen_angle = 80.0;
 
     bool observed(const TrueSample& sample) const { return sample.views >= static_cast<std::uint32_t>(observed_views); }
 
@@ -60,8 +63,14 @@ struct EvaluateParams {
             Param{"refine_rounds", &P::refine_rounds, "",
                   "rounds of fitting a held-out view's pose to the model; 0 = keep the scan's", 0.0, 20.0},
             Param{"depth_tolerance", &P::depth_tolerance, "m",
-                  "a pixel whose rendered depth is this far from the measured one is not covered", 0.001, 1.0},
+                  "a pixel whose rendered depth is this far from the measured one is not covered, and a point this far "
+                  "from it not seen; in metres of depth beyond the first, as many times that",
+                  0.001, 1.0},
             Param{"supersampling", &P::supersampling, "", "samples along each side of a rendered pixel", 1.0, 8.0},
+            Param{"seen_min_depth", &P::seen_min_depth, "m", "nearest surface that a keyframe sees", 0.0, 10.0},
+            Param{"seen_max_depth", &P::seen_max_depth, "m", "farthest surface that a keyframe sees", 0.1, 1000.0},
+            Param{"seen_angle", &P::seen_angle, "deg",
+                  "a keyframe that looks at a surface more obliquely does not see it", 10.0, 90.0},
         };
     }
 };

@@ -244,6 +244,24 @@ TEST(BakeTexture, TakesNoColourFromPhotographsWhoseDepthIsNotTheirOwn)
         EXPECT_NE(texel.source, TexelSource::DenseMesh);
 }
 
+double share_of_photographs(const std::vector<Texel>& texels)
+{
+    const auto count = std::ranges::count(texels, TexelSource::Photograph, &Texel::source);
+    return static_cast<double>(count) / static_cast<double>(texels.size());
+}
+
+TEST(BakeTexture, ColoursWhatIsSeenNearEdgesOnlyFromPhotographsToo)
+{
+    const auto scan = painted_corner();
+    auto params = exact_params();
+    params.edge_margin = 30.0; // a wide rim along the image and the mesh's silhouette
+    const auto last = texels_of(bake(*scan, params));
+    params.last_views = false;
+    const double safe_share = share_of_photographs(texels_of(bake(*scan, params)));
+    EXPECT_GT(share_of_photographs(last), safe_share + 0.1);
+    EXPECT_LT(difference(last, *scan, TexelSource::Photograph).most, 3.0);
+}
+
 // A wall that no camera sees, behind the corner's floor.
 PlaneMesh corner_and_hidden_wall()
 {
@@ -277,6 +295,22 @@ TEST(BakeTexture, ColoursUnseenFacesFromAllOthersWithoutADenseMesh)
         EXPECT_EQ(texel.source == TexelSource::Filled,
                   texel.p_world.z() < -0.9 || texel.source != TexelSource::Photograph);
     }
+}
+
+TEST(BakeTexture, CarriesColoursOverTheBorderOfAPlaneThatNothingShows)
+{
+    const Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY(), z = Vector3d::UnitZ();
+    const auto paint = [](const Vector3d& p) { return Vector3d::Constant(60 + 120 * p.y()).eval(); };
+    PaintedScan scan(join_sheets({{Vector3d::Zero(), x, y, 8}, {x - 0.2 * z, y, 0.2 * z, 8}}), paint);
+    scan.add_view(looking_at({0.4, 0.5, 1.6}, {0.4, 0.5, 0.0}, y)); // the second sheet faces away
+    std::size_t carried = 0;
+    for (const auto& texel : texels_of(bake(scan, exact_params()))) {
+        if (texel.p_world.z() > -0.001) continue;
+        EXPECT_EQ(texel.source, TexelSource::Filled);
+        EXPECT_NEAR(texel.color[0], paint(texel.p_world)[0], 20.0) << texel.p_world.transpose();
+        ++carried;
+    }
+    EXPECT_GT(carried, 1000u);
 }
 
 // Two halves of a wall, each seen by a camera of its own; the alignment does not know that the second one is brighter.

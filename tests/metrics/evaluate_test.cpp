@@ -4,6 +4,7 @@
 #include "image/image_io.h"
 #include "image/sampling.h"
 #include "metrics/refine_pose.h"
+#include "metrics/value_of.h"
 #include "support/expect_error.h"
 #include "support/grids.h"
 
@@ -14,19 +15,8 @@ namespace quoin {
 namespace {
 
 using Eigen::Vector3d;
-
-double value_of(const Metrics& metrics, const std::string& name)
-{
-    for (const Metric& m : metrics)
-        if (m.name == name) return m.value;
-    ADD_FAILURE() << "no figure named " << name;
-    return std::nan("");
-}
-
-bool has(const Metrics& metrics, const std::string& name)
-{
-    return std::any_of(metrics.begin(), metrics.end(), [&](const Metric& m) { return m.name == name; });
-}
+using test::has;
+using test::value_of;
 
 // The corner of a room of unit squares in the planes z = 0, x = 0 and y = 0, with its planes.
 PlaneMesh corner_model(int n)
