@@ -1,35 +1,41 @@
 #include "alignment/photometric.h"
 
 #include "base/parallel.h"
-#include "image/sampling.h"
 
 #include <algorithm>
+#include <array>
 
 namespace quoin {
 namespace {
 
-constexpr double kMinDepth = 1e-3; // [m]; points nearer to the camera plane have no pixel
+constexpr float kMinDepth = 1e-3f; // [m]; points nearer to the camera plane have no pixel
 constexpr std::size_t kColorGrain = 4096;
 
-GraySample sample_clamped(const FrameSampler& frame, const Vector3& p_color)
-{
-    if (p_color.z() < kMinDepth) return {0.0f, 0.0f, 0.0f};
-    const Eigen::Vector2d u = frame.camera.project(p_color);
-    const double x_max = frame.gray.width - 1.001, y_max = frame.gray.height - 1.001;
-    const double x = std::clamp(u.x(), 0.0, x_max), y = std::clamp(u.y(), 0.0, y_max);
-    GraySample gray = sample_gray(frame.gray, x, y);
-    if (x != u.x()) gray.gx = 0.0f;
-    if (y != u.y()) gray.gy = 0.0f;
-    return gray;
-}
+constexpr std::size_t kBatch = 64;
+using Values = std::array<float, kBatch>;
+using Offsets = std::array<int, kBatch>;
 
-// Derivative of the corrected grey by focal length (relative), cx and cy of the full image.
-Vector3 by_intrinsics(const FrameSampler& frame, const GraySample& gray, const Vector3& p_color)
-{
-    const double gx = frame.exposure.gain * gray.gx, gy = frame.exposure.gain * gray.gy;
-    const double focal = (gx * frame.camera.fx * p_color.x() + gy * frame.camera.fy * p_color.y()) / p_color.z();
-    return {focal, gx * frame.scale, gy * frame.scale};
-}
+// A run ready to be sampled: from points by way of their projection onto the plane to pixels of a level.
+struct RunSampler {
+    const GrayImage& gray;
+    Eigen::Matrix<float, 3, 4> color_from_point;
+    float fx, fy, cx, cy;
+};
+
+struct Points {
+    alignas(32) Values x, y, z; // [m], world
+};
+
+struct Pixels {
+    alignas(32) Values x, y;                    // place of the point: X/Z, Y/Z
+    alignas(32) Values seen, in_row, in_column; // 1 or 0: before the camera, not clamped in x, not clamped in y
+    alignas(32) Values along, down;             // 0..1, from the pixel at `offset` to the next ones
+    alignas(32) Offsets offset;
+};
+
+struct Corners {
+    alignas(32) Values left, right, lower_left, lower_right;
+};
 
 // p - (n . (p - c) + s) n
 Eigen::Affine3d projection(const CenteredPlane& plane)
@@ -41,65 +47,123 @@ Eigen::Affine3d projection(const CenteredPlane& plane)
     return result;
 }
 
+RunSampler run_sampler(const GrayImage& gray, const Camera& camera, const Rigid& color_from_world,
+                       const CenteredPlane& plane)
+{
+    const Eigen::Affine3d color_from_point = color_from_world * projection(plane);
+    return {gray,
+            color_from_point.matrix().topRows<3>().cast<float>(),
+            static_cast<float>(camera.fx),
+            static_cast<float>(camera.fy),
+            static_cast<float>(camera.cx),
+            static_cast<float>(camera.cy)};
+}
+
+// The rest of a batch that is not full repeats its last point.
+void gather(Points& points, const Texels& texels, const TexelId* texel, std::size_t count)
+{
+    for (std::size_t i = 0; i < kBatch; ++i) {
+        const Eigen::Vector3f& p = texels.p_world[texel[std::min(i, count - 1)]];
+        points.x[i] = p.x();
+        points.y[i] = p.y();
+        points.z[i] = p.z();
+    }
+}
+
+void project(Pixels& pixels, const RunSampler& run, const Points& points)
+{
+    const Eigen::Matrix<float, 3, 4> A = run.color_from_point;
+    const float x_max = static_cast<float>(run.gray.width) - 1.001f;
+    const float y_max = static_cast<float>(run.gray.height) - 1.001f;
+    const int stride = run.gray.width;
+    for (std::size_t i = 0; i < kBatch; ++i) {
+        const float X = A(0, 0) * points.x[i] + A(0, 1) * points.y[i] + A(0, 2) * points.z[i] + A(0, 3);
+        const float Y = A(1, 0) * points.x[i] + A(1, 1) * points.y[i] + A(1, 2) * points.z[i] + A(1, 3);
+        const float Z = A(2, 0) * points.x[i] + A(2, 1) * points.y[i] + A(2, 2) * points.z[i] + A(2, 3);
+        const float inverse = 1.0f / (Z >= kMinDepth ? Z : kMinDepth);
+        const float u = run.fx * (X * inverse) + run.cx, v = run.fy * (Y * inverse) + run.cy;
+        const float in_x = u < x_max ? u : x_max, in_y = v < y_max ? v : y_max;
+        const float column = in_x > 0.0f ? in_x : 0.0f, row = in_y > 0.0f ? in_y : 0.0f;
+        const int x0 = static_cast<int>(column), y0 = static_cast<int>(row);
+        pixels.x[i] = X * inverse;
+        pixels.y[i] = Y * inverse;
+        pixels.seen[i] = Z >= kMinDepth ? 1.0f : 0.0f;
+        pixels.in_row[i] = column == u ? 1.0f : 0.0f;
+        pixels.in_column[i] = row == v ? 1.0f : 0.0f;
+        pixels.along[i] = column - static_cast<float>(x0);
+        pixels.down[i] = row - static_cast<float>(y0);
+        pixels.offset[i] = y0 * stride + x0;
+    }
+}
+
+void fetch(Corners& corners, const GrayImage& gray, const Offsets& offset)
+{
+    for (std::size_t i = 0; i < kBatch; ++i) {
+        const float* upper = gray.pixels.data() + offset[i];
+        const float* lower = upper + gray.width;
+        corners.left[i] = upper[0];
+        corners.right[i] = upper[1];
+        corners.lower_left[i] = lower[0];
+        corners.lower_right[i] = lower[1];
+    }
+}
+
+// The bilinear surface and its exact derivative.
+void interpolate(GraySamples& samples, std::size_t first, std::size_t count, const RunSampler& run,
+                 const Pixels& pixels, const Corners& corners)
+{
+    alignas(32) Values value, by_x, by_y;
+    for (std::size_t i = 0; i < kBatch; ++i) {
+        const float slope_upper = corners.right[i] - corners.left[i];
+        const float slope_lower = corners.lower_right[i] - corners.lower_left[i];
+        const float upper = corners.left[i] + pixels.along[i] * slope_upper;
+        const float lower = corners.lower_left[i] + pixels.along[i] * slope_lower;
+        value[i] = pixels.seen[i] * (upper + pixels.down[i] * (lower - upper));
+        by_x[i] =
+            pixels.seen[i] * pixels.in_row[i] * (run.fx * (slope_upper + pixels.down[i] * (slope_lower - slope_upper)));
+        by_y[i] = pixels.seen[i] * pixels.in_column[i] * (run.fy * (lower - upper));
+    }
+    std::copy_n(value.begin(), count, samples.value.begin() + first);
+    std::copy_n(by_x.begin(), count, samples.by_x.begin() + first);
+    std::copy_n(by_y.begin(), count, samples.by_y.begin() + first);
+    std::copy_n(pixels.x.begin(), count, samples.x.begin() + first);
+    std::copy_n(pixels.y.begin(), count, samples.y.begin() + first);
+}
+
+// Loops over a batch are plain, so that they become vector instructions; only what is loaded from anywhere is not.
+void sample_run(GraySamples& samples, const RunSampler& sampler, const SampledTexels& sampled,
+                const ObservationRun& run)
+{
+    Points points;
+    Pixels pixels;
+    Corners corners;
+    for (std::size_t first = run.begin; first < run.end; first += kBatch) {
+        const std::size_t count = std::min<std::size_t>(kBatch, run.end - first);
+        gather(points, sampled.texels, &sampled.observations.texel[first], count);
+        project(pixels, sampler, points);
+        fetch(corners, sampler.gray, pixels.offset);
+        interpolate(samples, first, count, sampler, pixels, corners);
+    }
+}
+
 } // namespace
 
-FrameSampler frame_sampler(const AlignmentScene& scene, const AlignmentState& state, std::size_t frame, int level)
+GraySamples sample_grays(const AlignmentScene& scene, const AlignmentState& state, const SampledTexels& sampled,
+                         int level)
 {
-    return {scene.images[frame].gray[static_cast<std::size_t>(level)],
-            state.color.camera.at_level(level),
-            1.0 / (1 << level),
-            state.camera_from_world[frame],
-            state.color.color_from_depth,
-            state.exposure[frame]};
-}
-
-// Notation of the derivatives: x the point in the camera, G = dI/dx (a row), m = G in world axes, d = distance of the
-// texel's point to its plane. q = p - d n, so dq/d(alpha) = -(n (p-c)^T + d) B and dq/ds = -n.
-PhotometricRow photometric_row(const FrameSampler& frame, const CenteredPlane& plane, const TangentBasis& tangents,
-                               const Vector3& p_world)
-{
-    const double d = plane.signed_distance(p_world);
-    const Vector3 x_depth = frame.camera_from_world * (p_world - d * plane.normal);
-    const Vector3 x = frame.color_from_depth * x_depth;
-    const GraySample gray = sample_clamped(frame, x);
-    PhotometricRow row;
-    row.value = frame.exposure.gain * gray.value + frame.exposure.bias;
-    if (x.z() < kMinDepth) return row;
-
-    const double a = frame.exposure.gain * gray.gx * frame.camera.fx / x.z();
-    const double b = frame.exposure.gain * gray.gy * frame.camera.fy / x.z();
-    const Vector3 G(a, b, -(a * x.x() + b * x.y()) / x.z());
-    const Vector3 G_depth = frame.color_from_depth.linear().transpose() * G;
-    const Vector3 m = frame.camera_from_world.linear().transpose() * G_depth;
-    const double m_n = m.dot(plane.normal);
-    row.pose = twist(x_depth.cross(G_depth), G_depth);
-    row.plane.head<2>() = -(tangents.transpose() * (m_n * (p_world - plane.center) + d * m));
-    row.plane.z() = -m_n;
-    row.calibration.head<6>() = twist(x.cross(G), G);
-    row.calibration.tail<3>() = by_intrinsics(frame, gray, x);
-    return row;
-}
-
-std::vector<float> observed_grays(const AlignmentScene& scene, const AlignmentState& state, const Texels& texels,
-                                  const Observations& observations, int level)
-{
-    std::vector<float> gray(observations.size());
+    const Camera camera = state.color.camera.at_level(level);
+    GraySamples samples;
+    for (auto* values : {&samples.value, &samples.by_x, &samples.by_y, &samples.x, &samples.y})
+        values->resize(sampled.observations.size());
     parallel_for(scene.frames(), [&](std::size_t k) {
-        const FrameSampler frame = frame_sampler(scene, state, k, level);
-        const Rigid color_from_world = frame.color_from_depth * frame.camera_from_world;
-        PlaneId plane = kNoPlane;
-        Eigen::Affine3d color_from_point =
-            Eigen::Affine3d::Identity(); // by way of the point's projection onto its plane
-        for (std::uint32_t o = observations.first_of_frame[k]; o < observations.first_of_frame[k + 1]; ++o) {
-            const TexelId t = observations.texel[o];
-            if (texels.plane[t] != plane) {
-                plane = texels.plane[t];
-                color_from_point = color_from_world * projection(state.plane[plane]);
-            }
-            gray[o] = sample_clamped(frame, color_from_point * texels.p_world[t].cast<double>()).value;
+        const GrayImage& gray = scene.images[k].gray[static_cast<std::size_t>(level)];
+        const Rigid color_from_world = state.color.color_from_depth * state.camera_from_world[k];
+        for (std::uint32_t r = sampled.runs.first_of_frame[k]; r < sampled.runs.first_of_frame[k + 1]; ++r) {
+            const ObservationRun& run = sampled.runs.run[r];
+            sample_run(samples, run_sampler(gray, camera, color_from_world, state.plane[run.plane]), sampled, run);
         }
     });
-    return gray;
+    return samples;
 }
 
 std::vector<float> texel_colors(const Observations& observations, const std::vector<float>& gray, double delta,
