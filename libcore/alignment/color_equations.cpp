@@ -37,7 +37,7 @@ struct SampleLanes {
     Floats by_x, by_y, x, y;
 };
 
-SampleLanes load_samples(const GraySamples& samples, std::size_t first, std::size_t count)
+[[gnu::always_inline]] inline SampleLanes load_samples(const GraySamples& samples, std::size_t first, std::size_t count)
 {
     return {load_part(&samples.by_x[first], count), load_part(&samples.by_y[first], count),
             load_part(&samples.x[first], count), load_part(&samples.y[first], count)};
@@ -83,11 +83,11 @@ Eigen::Matrix3d weighted_sum(const GraySamples& samples, const ObservationRun& r
 // What centring leaves of the weights of a run's observations: 1 - weight / sum of weights.
 Floats centered_weights(const ColorEquations& eq, std::size_t first, std::size_t count)
 {
-    Floats mean_weight{};
+    std::array<float, kFloats> mean_weight{};
     for (std::size_t i = 0; i < std::min(count, kFloats); ++i)
         mean_weight[i] = eq.mean_weight[eq.problem->observations.texel[first + i]];
     const Floats weight = load_part(&eq.weight[first], count);
-    return weight * (1.0f - weight * mean_weight);
+    return weight * (1.0f - weight * load(mean_weight.data()));
 }
 
 // The sum over a run of weight f f^T, f the eight terms of h r^T.

@@ -103,7 +103,7 @@ std::vector<Exposure> solve(const WeightedViews& views, double prior)
         Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(2 * frames), static_cast<Eigen::Index>(2 * frames));
     parallel_for(frames, [&](std::size_t k) { add_frame(A, views, k); });
     const Eigen::VectorXd b = add_prior_and_means(A, views, prior);
-    const Eigen::VectorXd x = A.selfadjointView<Eigen::Lower>().ldlt().solve(b);
+    const Eigen::VectorXd x = A.selfadjointView<Eigen::Lower>().llt().solve(b);
     std::vector<Exposure> exposure(frames);
     for (std::size_t k = 0; k < frames && x.allFinite(); ++k)
         exposure[k] = {std::max(x[static_cast<Eigen::Index>(2 * k)], kMinGain),
@@ -127,15 +127,21 @@ void normalize(std::vector<Exposure>& exposure)
 
 } // namespace
 
+std::vector<Exposure> better_exposures(const Observations& observations, const std::vector<float>& observed,
+                                       const std::vector<Exposure>& exposure, const OptimizeTextureParams& params)
+{
+    if (observations.size() == 0) return exposure;
+    auto result = solve(weighted_views(observations, observed, exposure, params.huber_color), params.exposure_prior);
+    normalize(result);
+    return result;
+}
+
 std::vector<Exposure> estimate_exposures(const Observations& observations, const std::vector<float>& observed,
                                          const OptimizeTextureParams& params)
 {
     std::vector<Exposure> exposure(observations.first_of_frame.size() - 1);
-    if (observations.size() == 0) return exposure;
-    for (int round = 0; round < params.exposure_rounds; ++round) {
-        exposure = solve(weighted_views(observations, observed, exposure, params.huber_color), params.exposure_prior);
-        normalize(exposure);
-    }
+    for (int round = 0; round < params.exposure_rounds; ++round)
+        exposure = better_exposures(observations, observed, exposure, params);
     return exposure;
 }
 

@@ -5,6 +5,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstring>
+#ifdef __AVX2__
+#include <immintrin.h>
+#endif
 
 namespace quoin {
 
@@ -27,7 +30,19 @@ inline Doubles load(const double* from)
 }
 inline void store(const Floats& lanes, float* to) { std::memcpy(to, &lanes, sizeof lanes); }
 
-// The first `count` lanes; zero in the others. For the end of an array.
+// The first `count` lanes, zero in the others: for the end of an array, of which no more is touched.
+#ifdef __AVX2__
+inline __m256i first_lanes(std::size_t count)
+{
+    alignas(32) static constexpr int kMask[2 * kFloats] = {-1, -1, -1, -1, -1, -1, -1, -1};
+    return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(kMask + kFloats - std::min(count, kFloats)));
+}
+inline Floats load_part(const float* from, std::size_t count) { return _mm256_maskload_ps(from, first_lanes(count)); }
+inline void store_part(const Floats& lanes, float* to, std::size_t count)
+{
+    _mm256_maskstore_ps(to, first_lanes(count), lanes);
+}
+#else
 inline Floats load_part(const float* from, std::size_t count)
 {
     Floats lanes{};
@@ -38,6 +53,7 @@ inline void store_part(const Floats& lanes, float* to, std::size_t count)
 {
     std::memcpy(to, &lanes, std::min(count, kFloats) * sizeof(float));
 }
+#endif
 
 inline double sum(const Floats& lanes)
 {
