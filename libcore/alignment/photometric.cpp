@@ -1,5 +1,6 @@
 #include "alignment/photometric.h"
 
+#include "base/lanes.h"
 #include "base/parallel.h"
 
 #include <algorithm>
@@ -37,20 +38,10 @@ struct Corners {
     alignas(32) Values left, right, lower_left, lower_right;
 };
 
-// p - (n . (p - c) + s) n
-Eigen::Affine3d projection(const CenteredPlane& plane)
-{
-    Eigen::Affine3d result;
-    result.linear() = Eigen::Matrix3d::Identity() - plane.normal * plane.normal.transpose();
-    result.translation() = -plane.signed_distance(Vector3::Zero()) * plane.normal;
-    result.makeAffine();
-    return result;
-}
-
 RunSampler run_sampler(const GrayImage& gray, const Camera& camera, const Rigid& color_from_world,
                        const CenteredPlane& plane)
 {
-    const Eigen::Affine3d color_from_point = color_from_world * projection(plane);
+    const Eigen::Affine3d color_from_point = color_from_world * plane.projection();
     return {gray,
             color_from_point.matrix().topRows<3>().cast<float>(),
             static_cast<float>(camera.fx),
@@ -59,10 +50,10 @@ RunSampler run_sampler(const GrayImage& gray, const Camera& camera, const Rigid&
             static_cast<float>(camera.cy)};
 }
 
-// The rest of a batch that is not full repeats its last point.
-void gather(Points& points, const Texels& texels, const TexelId* texel, std::size_t count)
+// What is missing to full lanes repeats the last point.
+void gather(Points& points, const Texels& texels, const TexelId* texel, std::size_t count, std::size_t padded)
 {
-    for (std::size_t i = 0; i < kBatch; ++i) {
+    for (std::size_t i = 0; i < padded; ++i) {
         const Eigen::Vector3f& p = texels.p_world[texel[std::min(i, count - 1)]];
         points.x[i] = p.x();
         points.y[i] = p.y();
@@ -70,13 +61,13 @@ void gather(Points& points, const Texels& texels, const TexelId* texel, std::siz
     }
 }
 
-void project(Pixels& pixels, const RunSampler& run, const Points& points)
+void project(Pixels& pixels, const RunSampler& run, const Points& points, std::size_t padded)
 {
     const Eigen::Matrix<float, 3, 4> A = run.color_from_point;
     const float x_max = static_cast<float>(run.gray.width) - 1.001f;
     const float y_max = static_cast<float>(run.gray.height) - 1.001f;
     const int stride = run.gray.width;
-    for (std::size_t i = 0; i < kBatch; ++i) {
+    for (std::size_t i = 0; i < padded; ++i) {
         const float X = A(0, 0) * points.x[i] + A(0, 1) * points.y[i] + A(0, 2) * points.z[i] + A(0, 3);
         const float Y = A(1, 0) * points.x[i] + A(1, 1) * points.y[i] + A(1, 2) * points.z[i] + A(1, 3);
         const float Z = A(2, 0) * points.x[i] + A(2, 1) * points.y[i] + A(2, 2) * points.z[i] + A(2, 3);
@@ -96,9 +87,9 @@ void project(Pixels& pixels, const RunSampler& run, const Points& points)
     }
 }
 
-void fetch(Corners& corners, const GrayImage& gray, const Offsets& offset)
+void fetch(Corners& corners, const GrayImage& gray, const Offsets& offset, std::size_t padded)
 {
-    for (std::size_t i = 0; i < kBatch; ++i) {
+    for (std::size_t i = 0; i < padded; ++i) {
         const float* upper = gray.pixels.data() + offset[i];
         const float* lower = upper + gray.width;
         corners.left[i] = upper[0];
@@ -108,26 +99,35 @@ void fetch(Corners& corners, const GrayImage& gray, const Offsets& offset)
     }
 }
 
-// The bilinear surface and its exact derivative.
-void interpolate(GraySamples& samples, std::size_t first, std::size_t count, const RunSampler& run,
-                 const Pixels& pixels, const Corners& corners)
-{
+struct Greys {
     alignas(32) Values value, by_x, by_y;
-    for (std::size_t i = 0; i < kBatch; ++i) {
+};
+
+// The bilinear surface and its exact derivative.
+void interpolate(Greys& greys, const RunSampler& run, const Pixels& pixels, const Corners& corners, std::size_t padded)
+{
+    for (std::size_t i = 0; i < padded; ++i) {
         const float slope_upper = corners.right[i] - corners.left[i];
         const float slope_lower = corners.lower_right[i] - corners.lower_left[i];
         const float upper = corners.left[i] + pixels.along[i] * slope_upper;
         const float lower = corners.lower_left[i] + pixels.along[i] * slope_lower;
-        value[i] = pixels.seen[i] * (upper + pixels.down[i] * (lower - upper));
-        by_x[i] =
+        greys.value[i] = pixels.seen[i] * (upper + pixels.down[i] * (lower - upper));
+        greys.by_x[i] =
             pixels.seen[i] * pixels.in_row[i] * (run.fx * (slope_upper + pixels.down[i] * (slope_lower - slope_upper)));
-        by_y[i] = pixels.seen[i] * pixels.in_column[i] * (run.fy * (lower - upper));
+        greys.by_y[i] = pixels.seen[i] * pixels.in_column[i] * (run.fy * (lower - upper));
     }
-    std::copy_n(value.begin(), count, samples.value.begin() + first);
-    std::copy_n(by_x.begin(), count, samples.by_x.begin() + first);
-    std::copy_n(by_y.begin(), count, samples.by_y.begin() + first);
-    std::copy_n(pixels.x.begin(), count, samples.x.begin() + first);
-    std::copy_n(pixels.y.begin(), count, samples.y.begin() + first);
+}
+
+void copy(GraySamples& samples, std::size_t first, std::size_t count, const Greys& greys, const Pixels& pixels)
+{
+    const auto to = [&](std::vector<float>& values, const Values& from) {
+        std::copy_n(from.begin(), count, values.begin() + static_cast<std::ptrdiff_t>(first));
+    };
+    to(samples.value, greys.value);
+    to(samples.by_x, greys.by_x);
+    to(samples.by_y, greys.by_y);
+    to(samples.x, pixels.x);
+    to(samples.y, pixels.y);
 }
 
 // Loops over a batch are plain, so that they become vector instructions; only what is loaded from anywhere is not.
@@ -137,12 +137,15 @@ void sample_run(GraySamples& samples, const RunSampler& sampler, const SampledTe
     Points points;
     Pixels pixels;
     Corners corners;
+    Greys greys;
     for (std::size_t first = run.begin; first < run.end; first += kBatch) {
         const std::size_t count = std::min<std::size_t>(kBatch, run.end - first);
-        gather(points, sampled.texels, &sampled.observations.texel[first], count);
-        project(pixels, sampler, points);
-        fetch(corners, sampler.gray, pixels.offset);
-        interpolate(samples, first, count, sampler, pixels, corners);
+        const std::size_t padded = (count + kFloats - 1) / kFloats * kFloats;
+        gather(points, sampled.texels, &sampled.observations.texel[first], count, padded);
+        project(pixels, sampler, points, padded);
+        fetch(corners, sampler.gray, pixels.offset, padded);
+        interpolate(greys, sampler, pixels, corners, padded);
+        copy(samples, first, count, greys, pixels);
     }
 }
 

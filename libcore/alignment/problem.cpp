@@ -1,5 +1,7 @@
 #include "alignment/problem.h"
 
+#include "alignment/selection.h"
+
 #include <algorithm>
 
 namespace quoin {
