@@ -61,29 +61,32 @@ void gather(Points& points, const Texels& texels, const TexelId* texel, std::siz
     }
 }
 
+Floats each(float value) { return Floats{} + value; }
+
 void project(Pixels& pixels, const RunSampler& run, const Points& points, std::size_t padded)
 {
     const Eigen::Matrix<float, 3, 4> A = run.color_from_point;
-    const float x_max = static_cast<float>(run.gray.width) - 1.001f;
-    const float y_max = static_cast<float>(run.gray.height) - 1.001f;
-    const int stride = run.gray.width;
-    for (std::size_t i = 0; i < padded; ++i) {
-        const float X = A(0, 0) * points.x[i] + A(0, 1) * points.y[i] + A(0, 2) * points.z[i] + A(0, 3);
-        const float Y = A(1, 0) * points.x[i] + A(1, 1) * points.y[i] + A(1, 2) * points.z[i] + A(1, 3);
-        const float Z = A(2, 0) * points.x[i] + A(2, 1) * points.y[i] + A(2, 2) * points.z[i] + A(2, 3);
-        const float inverse = 1.0f / (Z >= kMinDepth ? Z : kMinDepth);
-        const float u = run.fx * (X * inverse) + run.cx, v = run.fy * (Y * inverse) + run.cy;
-        const float in_x = u < x_max ? u : x_max, in_y = v < y_max ? v : y_max;
-        const float column = in_x > 0.0f ? in_x : 0.0f, row = in_y > 0.0f ? in_y : 0.0f;
-        const int x0 = static_cast<int>(column), y0 = static_cast<int>(row);
-        pixels.x[i] = X * inverse;
-        pixels.y[i] = Y * inverse;
-        pixels.seen[i] = Z >= kMinDepth ? 1.0f : 0.0f;
-        pixels.in_row[i] = column == u ? 1.0f : 0.0f;
-        pixels.in_column[i] = row == v ? 1.0f : 0.0f;
-        pixels.along[i] = column - static_cast<float>(x0);
-        pixels.down[i] = row - static_cast<float>(y0);
-        pixels.offset[i] = y0 * stride + x0;
+    const Floats zero{}, one = each(1.0f), nearest = each(kMinDepth);
+    const Floats x_max = each(static_cast<float>(run.gray.width) - 1.001f);
+    const Floats y_max = each(static_cast<float>(run.gray.height) - 1.001f);
+    for (std::size_t i = 0; i < padded; i += kFloats) {
+        const Floats p = load(&points.x[i]), q = load(&points.y[i]), r = load(&points.z[i]);
+        const Floats X = A(0, 0) * p + A(0, 1) * q + A(0, 2) * r + A(0, 3);
+        const Floats Y = A(1, 0) * p + A(1, 1) * q + A(1, 2) * r + A(1, 3);
+        const Floats Z = A(2, 0) * p + A(2, 1) * q + A(2, 2) * r + A(2, 3);
+        const Floats inverse = 1.0f / (Z >= nearest ? Z : nearest);
+        const Floats u = run.fx * (X * inverse) + run.cx, v = run.fy * (Y * inverse) + run.cy;
+        const Floats not_right = u < x_max ? u : x_max, not_below = v < y_max ? v : y_max;
+        const Floats column = not_right > zero ? not_right : zero, row = not_below > zero ? not_below : zero;
+        const Ints x0 = __builtin_convertvector(column, Ints), y0 = __builtin_convertvector(row, Ints);
+        store(X * inverse, &pixels.x[i]);
+        store(Y * inverse, &pixels.y[i]);
+        store(Z >= nearest ? one : zero, &pixels.seen[i]);
+        store(column == u ? one : zero, &pixels.in_row[i]);
+        store(row == v ? one : zero, &pixels.in_column[i]);
+        store(column - __builtin_convertvector(x0, Floats), &pixels.along[i]);
+        store(row - __builtin_convertvector(y0, Floats), &pixels.down[i]);
+        store(y0 * run.gray.width + x0, &pixels.offset[i]);
     }
 }
 
@@ -99,53 +102,40 @@ void fetch(Corners& corners, const GrayImage& gray, const Offsets& offset, std::
     }
 }
 
-struct Greys {
-    alignas(32) Values value, by_x, by_y;
-};
-
 // The bilinear surface and its exact derivative.
-void interpolate(Greys& greys, const RunSampler& run, const Pixels& pixels, const Corners& corners, std::size_t padded)
+void interpolate(GraySamples& samples, std::size_t first, std::size_t count, const RunSampler& run,
+                 const Pixels& pixels, const Corners& corners)
 {
-    for (std::size_t i = 0; i < padded; ++i) {
-        const float slope_upper = corners.right[i] - corners.left[i];
-        const float slope_lower = corners.lower_right[i] - corners.lower_left[i];
-        const float upper = corners.left[i] + pixels.along[i] * slope_upper;
-        const float lower = corners.lower_left[i] + pixels.along[i] * slope_lower;
-        greys.value[i] = pixels.seen[i] * (upper + pixels.down[i] * (lower - upper));
-        greys.by_x[i] =
-            pixels.seen[i] * pixels.in_row[i] * (run.fx * (slope_upper + pixels.down[i] * (slope_lower - slope_upper)));
-        greys.by_y[i] = pixels.seen[i] * pixels.in_column[i] * (run.fy * (lower - upper));
+    for (std::size_t i = 0; i < count; i += kFloats) {
+        const Floats left = load(&corners.left[i]), lower_left = load(&corners.lower_left[i]);
+        const Floats along = load(&pixels.along[i]), down = load(&pixels.down[i]), seen = load(&pixels.seen[i]);
+        const Floats slope_upper = load(&corners.right[i]) - left;
+        const Floats slope_lower = load(&corners.lower_right[i]) - lower_left;
+        const Floats upper = left + along * slope_upper, lower = lower_left + along * slope_lower;
+        const Floats slope = slope_upper + down * (slope_lower - slope_upper);
+        const std::size_t o = first + i, n = count - i;
+        store_part(seen * (upper + down * (lower - upper)), &samples.value[o], n);
+        store_part(seen * load(&pixels.in_row[i]) * (run.fx * slope), &samples.by_x[o], n);
+        store_part(seen * load(&pixels.in_column[i]) * (run.fy * (lower - upper)), &samples.by_y[o], n);
+        store_part(load(&pixels.x[i]), &samples.x[o], n);
+        store_part(load(&pixels.y[i]), &samples.y[o], n);
     }
 }
 
-void copy(GraySamples& samples, std::size_t first, std::size_t count, const Greys& greys, const Pixels& pixels)
-{
-    const auto to = [&](std::vector<float>& values, const Values& from) {
-        std::copy_n(from.begin(), count, values.begin() + static_cast<std::ptrdiff_t>(first));
-    };
-    to(samples.value, greys.value);
-    to(samples.by_x, greys.by_x);
-    to(samples.by_y, greys.by_y);
-    to(samples.x, pixels.x);
-    to(samples.y, pixels.y);
-}
-
-// Loops over a batch are plain, so that they become vector instructions; only what is loaded from anywhere is not.
+// All is done in lanes but for what is loaded from anywhere.
 void sample_run(GraySamples& samples, const RunSampler& sampler, const SampledTexels& sampled,
                 const ObservationRun& run)
 {
     Points points;
     Pixels pixels;
     Corners corners;
-    Greys greys;
     for (std::size_t first = run.begin; first < run.end; first += kBatch) {
         const std::size_t count = std::min<std::size_t>(kBatch, run.end - first);
         const std::size_t padded = (count + kFloats - 1) / kFloats * kFloats;
         gather(points, sampled.texels, &sampled.observations.texel[first], count, padded);
         project(pixels, sampler, points, padded);
         fetch(corners, sampler.gray, pixels.offset, padded);
-        interpolate(greys, sampler, pixels, corners, padded);
-        copy(samples, first, count, greys, pixels);
+        interpolate(samples, first, count, sampler, pixels, corners);
     }
 }
 

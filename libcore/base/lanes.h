@@ -12,6 +12,7 @@
 namespace quoin {
 
 using Floats = float __attribute__((vector_size(32)));
+using Ints = int __attribute__((vector_size(32)));
 using Doubles = double __attribute__((vector_size(32)));
 inline constexpr std::size_t kFloats = sizeof(Floats) / sizeof(float);
 inline constexpr std::size_t kDoubles = sizeof(Doubles) / sizeof(double);
@@ -29,6 +30,8 @@ inline Doubles load(const double* from)
     return lanes;
 }
 inline void store(const Floats& lanes, float* to) { std::memcpy(to, &lanes, sizeof lanes); }
+
+inline void store(const Ints& lanes, int* to) { std::memcpy(to, &lanes, sizeof lanes); }
 
 // The first `count` lanes, zero in the others: for the end of an array, of which no more is touched.
 #ifdef __AVX2__
