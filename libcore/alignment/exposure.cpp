@@ -127,21 +127,15 @@ void normalize(std::vector<Exposure>& exposure)
 
 } // namespace
 
-std::vector<Exposure> better_exposures(const Observations& observations, const std::vector<float>& observed,
-                                       const std::vector<Exposure>& exposure, const OptimizeTextureParams& params)
-{
-    if (observations.size() == 0) return exposure;
-    auto result = solve(weighted_views(observations, observed, exposure, params.huber_color), params.exposure_prior);
-    normalize(result);
-    return result;
-}
-
 std::vector<Exposure> estimate_exposures(const Observations& observations, const std::vector<float>& observed,
                                          const OptimizeTextureParams& params)
 {
     std::vector<Exposure> exposure(observations.first_of_frame.size() - 1);
-    for (int round = 0; round < params.exposure_rounds; ++round)
-        exposure = better_exposures(observations, observed, exposure, params);
+    if (observations.size() == 0) return exposure;
+    for (int round = 0; round < params.exposure_rounds; ++round) {
+        exposure = solve(weighted_views(observations, observed, exposure, params.huber_color), params.exposure_prior);
+        normalize(exposure);
+    }
     return exposure;
 }
 

@@ -11,8 +11,4 @@ namespace quoin {
 std::vector<Exposure> estimate_exposures(const Observations& observations, const std::vector<float>& observed,
                                          const OptimizeTextureParams& params);
 
-// One reweighted solution, for those who come back with it.
-std::vector<Exposure> better_exposures(const Observations& observations, const std::vector<float>& observed,
-                                       const std::vector<Exposure>& exposure, const OptimizeTextureParams& params);
-
 } // namespace quoin

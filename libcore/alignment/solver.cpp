@@ -17,7 +17,7 @@ enum class Block { Pose, Plane, Calibration };
 Fit with_better_exposures(const AlignmentProblem& problem, Fit current)
 {
     auto exposure =
-        better_exposures(problem.observations, current.samples.value, current.state.exposure, problem.scene.params);
+        estimate_exposures(problem.observations, current.samples.value, problem.scene.params);
     return with_exposures(problem, std::move(current), std::move(exposure));
 }
 
