@@ -1,6 +1,5 @@
 #include "alignment/energy.h"
 
-#include "alignment/photometric.h"
 #include "base/parallel.h"
 #include "geometry/units.h"
 
@@ -11,6 +10,7 @@ namespace quoin {
 namespace {
 
 constexpr int kReweightings = 3;
+constexpr std::size_t kRunGrain = 64;
 
 double sum_of(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
 
@@ -30,23 +30,19 @@ double add_pairs(BlockEnergies& result, const std::vector<PairCost>& pairs, doub
 std::vector<PairCost> color_costs(const AlignmentProblem& problem, const std::vector<float>& gray,
                                   const std::vector<float>& texel_color)
 {
-    const Observations& observations = problem.observations;
-    std::vector<std::vector<PairCost>> of_frame(problem.scene.frames());
-    parallel_for(of_frame.size(), [&](std::size_t k) {
-        std::vector<PairCost>& pairs = of_frame[k];
-        for (std::uint32_t o = observations.first_of_frame[k]; o < observations.first_of_frame[k + 1]; ++o) {
-            const TexelId t = observations.texel[o];
-            const PlaneId plane = problem.texels.plane[t];
-            if (pairs.empty() || pairs.back().plane != plane)
-                pairs.push_back({static_cast<std::uint32_t>(k), plane, 0.0});
-            const double r = gray[o] - texel_color[t];
-            pairs.back().cost += huber_cost(r, problem.scene.params.huber_color);
-        }
-    });
-    std::vector<PairCost> all;
-    for (const auto& pairs : of_frame)
-        all.insert(all.end(), pairs.begin(), pairs.end());
-    return all;
+    const double huber = problem.scene.params.huber_color;
+    std::vector<PairCost> costs(problem.runs.run.size());
+    parallel_for(
+        costs.size(),
+        [&](std::size_t r) {
+            const ObservationRun& run = problem.runs.run[r];
+            double cost = 0.0;
+            for (std::uint32_t o = run.begin; o < run.end; ++o)
+                cost += huber_cost(gray[o] - texel_color[problem.observations.texel[o]], huber);
+            costs[r] = {run.frame, run.plane, cost};
+        },
+        kRunGrain);
+    return costs;
 }
 
 double add_depths(BlockEnergies& result, const AlignmentState& state, const DepthSamples& samples, double weight,
@@ -125,34 +121,41 @@ std::vector<float> corrected(const Observations& observations, const std::vector
 
 } // namespace
 
+GraySamples sample_grays(const AlignmentProblem& problem, const AlignmentState& state)
+{
+    return sample_grays(problem.scene, state, {problem.texels, problem.observations, problem.runs}, problem.level);
+}
+
 Fit fit(const AlignmentProblem& problem, AlignmentState state)
 {
     Fit result;
-    result.observed = observed_grays(problem.scene, state, problem.texels, problem.observations, problem.level);
-    const auto gray = corrected(problem.observations, result.observed, state.exposure);
+    result.samples = sample_grays(problem, state);
+    const auto gray = corrected(problem.observations, result.samples.value, state.exposure);
     result.color = texel_colors(problem.observations, gray, problem.scene.params.huber_color, kReweightings);
     result.energy = energies_of_grays(problem, state, gray, result.color).sum;
     result.state = std::move(state);
     return result;
 }
 
-Fit with_exposures(const AlignmentProblem& problem, const Fit& before, std::vector<Exposure> exposure)
+Fit with_exposures(const AlignmentProblem& problem, Fit before, std::vector<Exposure> exposure)
 {
-    Fit result = before;
-    const auto gray = corrected(problem.observations, before.observed, exposure);
-    result.color = texel_colors(problem.observations, gray, problem.scene.params.huber_color, kReweightings);
-    result.energy.color = 0.0;
-    for (const PairCost& pair : color_costs(problem, gray, result.color))
-        result.energy.color += color_scale(problem.scene.params) * pair.cost;
-    result.state.exposure = std::move(exposure);
-    return result;
+    const auto gray = corrected(problem.observations, before.samples.value, exposure);
+    auto color = texel_colors(problem.observations, gray, problem.scene.params.huber_color, kReweightings);
+    double energy = 0.0;
+    for (const PairCost& pair : color_costs(problem, gray, color))
+        energy += color_scale(problem.scene.params) * pair.cost;
+    if (!(energy < before.energy.color)) return before;
+    before.energy.color = energy;
+    before.color = std::move(color);
+    before.state.exposure = std::move(exposure);
+    return before;
 }
 
-BlockEnergies energies(const AlignmentProblem& problem, const AlignmentState& state,
+BlockEnergies energies(const AlignmentProblem& problem, const AlignmentState& state, const GraySamples& samples,
                        const std::vector<float>& texel_color)
 {
-    const auto observed = observed_grays(problem.scene, state, problem.texels, problem.observations, problem.level);
-    return energies_of_grays(problem, state, corrected(problem.observations, observed, state.exposure), texel_color);
+    return energies_of_grays(problem, state, corrected(problem.observations, samples.value, state.exposure),
+                             texel_color);
 }
 
 CalibrationBlock calibration_prior(const OptimizeTextureParams& params, const ColorCamera& color,

@@ -3,7 +3,7 @@
 
 #include "alignment/depth_term.h"
 #include "alignment/line_term.h"
-#include "alignment/observations.h"
+#include "alignment/photometric.h"
 #include "alignment/plane_term.h"
 #include "alignment/pose_prior.h"
 
@@ -18,6 +18,7 @@ struct AlignmentProblem {
     int level = 0;
     Texels texels;
     Observations observations;
+    ObservationRuns runs; // of `observations`
     DepthSamples depths;
     std::vector<LineObservation> lines; // line_term reprojection
     DepthSamples line_depths;           // line_term depth
@@ -44,15 +45,17 @@ struct BlockEnergies {
 // A state with everything that only looking at the images tells of it.
 struct Fit {
     AlignmentState state;
-    std::vector<float> observed; // grey of every observation, not corrected by its exposure
-    std::vector<float> color;    // of every texel: those that fit the state best
+    GraySamples samples;
+    std::vector<float> color; // of every texel: those that fit the state best
     Energy energy;
 };
+GraySamples sample_grays(const AlignmentProblem& problem, const AlignmentState& state);
 Fit fit(const AlignmentProblem& problem, AlignmentState state);
-// The same with other exposures: no image is looked at again.
-Fit with_exposures(const AlignmentProblem& problem, const Fit& before, std::vector<Exposure> exposure);
+// The same with other exposures, if they lower the energy: no image is looked at again.
+Fit with_exposures(const AlignmentProblem& problem, Fit before, std::vector<Exposure> exposure);
 
-BlockEnergies energies(const AlignmentProblem& problem, const AlignmentState& state,
+// At given colours.
+BlockEnergies energies(const AlignmentProblem& problem, const AlignmentState& state, const GraySamples& samples,
                        const std::vector<float>& texel_color);
 
 // Prior of the shared calibration: squared deviations from the input in units of their expected errors.

@@ -104,7 +104,9 @@ std::vector<Exposure> solve(const WeightedViews& views, const OptimizeTexturePar
         Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(2 * frames), static_cast<Eigen::Index>(2 * frames));
     parallel_for(frames, [&](std::size_t k) { add_frame(A, views, k); });
     const Eigen::VectorXd b = add_prior_and_means(A, views, params);
-    const Eigen::VectorXd x = A.selfadjointView<Eigen::Lower>().ldlt().solve(b);
+    const Eigen::LLT<Eigen::MatrixXd> factor = A.selfadjointView<Eigen::Lower>().llt();
+    if (factor.info() != Eigen::Success) return std::vector<Exposure>(frames);
+    const Eigen::VectorXd x = factor.solve(b);
     std::vector<Exposure> exposure(frames);
     for (std::size_t k = 0; k < frames && x.allFinite(); ++k)
         exposure[k] = {std::max(x[static_cast<Eigen::Index>(2 * k)], kMinGain),

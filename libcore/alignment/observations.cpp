@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <tuple>
 
 namespace quoin {
 namespace {
@@ -18,7 +17,7 @@ constexpr int kRasterLevel = 1; // visibility is rendered at half the size: its 
 struct FrameView {
     const AlignmentScene& scene;
     std::size_t frame;
-    Rigid depth_from_world;
+    Rigid depth_from_world, depth_from_color;
     ColorCamera color;
     Camera raster_camera, level_camera;
     int level;
@@ -30,7 +29,7 @@ struct FrameView {
 Image<std::uint8_t> rendered_edges(const AlignmentScene& scene, const DepthImage& depth)
 {
     const int radius = (scene.params.jump_radius + 1) >> kRasterLevel;
-    return near_depth_edges(depth, radius, [&](double) { return scene.params.depth_jump; });
+    return near_depth_edges(depth, radius, {.least = scene.params.depth_jump});
 }
 
 FrameView look(const AlignmentScene& scene, const AlignmentState& state, std::size_t k, int level)
@@ -38,6 +37,7 @@ FrameView look(const AlignmentScene& scene, const AlignmentState& state, std::si
     FrameView view{scene,
                    k,
                    state.camera_from_world[k],
+                   state.color.color_from_depth.inverse(),
                    state.color,
                    state.color.camera.at_level(kRasterLevel),
                    state.color.camera.at_level(level),
@@ -53,11 +53,26 @@ FrameView look(const AlignmentScene& scene, const AlignmentState& state, std::si
     return view;
 }
 
+// A plane as the frame of a view sees it; points come to the cameras by way of their projection onto it.
+struct PlaneView {
+    PlaneId id;
+    Eigen::Affine3d color_from_point;
+    double distance; // of the colour camera [m], > 0 before the plane
+};
+
+PlaneView plane_view(const FrameView& view, const CenteredPlane& plane, PlaneId id)
+{
+    const Rigid color_from_world = view.color.color_from_depth * view.depth_from_world;
+    return {id, color_from_world * plane.projection(), plane.signed_distance(color_from_world.inverse().translation())};
+}
+
+int nearest_pixel(double u) { return static_cast<int>(u + 0.5); } // u >= 0
+
 bool nearest_in_rendering(const FrameView& view, PlaneId plane, const Vector3& p_color)
 {
     const Eigen::Vector2d u = view.raster_camera.project(p_color);
     if (!view.raster_camera.contains(u)) return false;
-    const int x = static_cast<int>(std::lround(u.x())), y = static_cast<int>(std::lround(u.y()));
+    const int x = nearest_pixel(u.x()), y = nearest_pixel(u.y());
     const FaceId face = view.seen.face.at(x, y);
     if (face == kNoFace || view.near_edge.at(x, y)) return false;
     if (view.scene.mesh.face_plane[face] == plane) return true;
@@ -71,25 +86,25 @@ bool agrees_with_depth(const FrameView& view, const Vector3& p_depth)
     if (images.depth.empty() || p_depth.z() <= 0.0) return true;
     const Eigen::Vector2d u = camera.project(p_depth);
     if (!camera.contains(u)) return true;
-    const int x = static_cast<int>(std::lround(u.x())), y = static_cast<int>(std::lround(u.y()));
+    const int x = nearest_pixel(u.x()), y = nearest_pixel(u.y());
     if (images.near_edge.at(x, y)) return false;
     const double z = images.depth.at(x, y);
     const double tolerance = std::max(view.scene.params.depth_tolerance, 3.0 * view.scene.depth_sigma(p_depth.z()));
     return z <= 0.0 || std::abs(z - p_depth.z()) <= tolerance;
 }
 
-bool sees(const FrameView& view, const CenteredPlane& plane, PlaneId id, const Vector3& p_world)
+// Most texels of a plane fall to the first two tests.
+bool sees(const FrameView& view, const PlaneView& plane, const Eigen::Vector3f& p_world)
 {
     const OptimizeTextureParams& params = view.scene.params;
-    const Vector3 p_depth = view.depth_from_world * plane.project(p_world);
-    const Vector3 p_color = view.color.color_from_depth * p_depth;
+    const Vector3 p_color = plane.color_from_point * p_world.cast<double>();
     if (p_color.z() < params.min_depth || p_color.z() > params.max_depth) return false;
     const Eigen::Vector2d u = view.level_camera.project(p_color);
     const double border = std::max(1.0, params.border / (1 << view.level));
     if (!view.level_camera.contains(u, border)) return false;
-    const Vector3 normal = view.color.color_from_depth.linear() * (view.depth_from_world.linear() * plane.normal);
-    if (-normal.dot(p_color) < params.min_cosine * p_color.norm()) return false;
-    if (!nearest_in_rendering(view, id, p_color) || !agrees_with_depth(view, p_depth)) return false;
+    if (plane.distance < params.min_cosine * p_color.norm()) return false;
+    if (!nearest_in_rendering(view, plane.id, p_color)) return false;
+    if (!agrees_with_depth(view, view.depth_from_color * p_color)) return false;
     const float gray =
         sample_gray(view.scene.images[view.frame].gray[static_cast<std::size_t>(view.level)], u.x(), u.y()).value;
     return gray >= params.saturation && gray <= 1.0 - params.saturation;
@@ -100,8 +115,10 @@ std::vector<TexelId> visible_texels(const FrameView& view, const AlignmentState&
     std::vector<TexelId> visible;
     for (PlaneId p = 0; p < state.plane.size(); ++p) {
         if (!view.has_plane[p]) continue;
+        const PlaneView plane = plane_view(view, state.plane[p], p);
+        if (plane.distance < 0.0) continue;
         for (TexelId t = texels.first_of_plane[p]; t < texels.first_of_plane[p + 1]; ++t)
-            if (sees(view, state.plane[p], p, texels.p_world[t].cast<double>())) visible.push_back(t);
+            if (sees(view, plane, texels.p_world[t])) visible.push_back(t);
     }
     return visible;
 }
@@ -166,30 +183,6 @@ std::vector<DepthSample> sample_frame(const AlignmentScene& scene, const Alignme
     return samples;
 }
 
-// The mean length of the image gradient where the frames see a texel, for each texel.
-std::vector<float> mean_gradients(const AlignmentScene& scene, const AlignmentState& state, const Texels& texels,
-                                  const Observations& observations, int level)
-{
-    const Camera camera = state.color.camera.at_level(level);
-    const auto mean_of = [&](std::size_t t) {
-        const std::uint32_t views = observations.views(static_cast<TexelId>(t));
-        const Vector3 p_world = state.plane[texels.plane[t]].project(texels.p_world[t].cast<double>());
-        double sum = 0.0;
-        for (std::uint32_t i = observations.first_of_texel[t]; i < observations.first_of_texel[t + 1]; ++i) {
-            const std::uint32_t k = observations.frame[observations.of_texel[i]];
-            const Vector3 p_camera = state.camera_from_world[k] * p_world;
-            const Eigen::Vector2d u = camera.project(state.color.color_from_depth * p_camera);
-            const GraySample gray = sample_gray(scene.images[k].gray[static_cast<std::size_t>(level)], u.x(), u.y());
-            sum += std::hypot(gray.gx, gray.gy);
-        }
-        return static_cast<float>(views > 0 ? sum / views : 0.0);
-    };
-    std::vector<float> mean(texels.size());
-    parallel_for(
-        mean.size(), [&](std::size_t t) { mean[t] = mean_of(t); }, 1024);
-    return mean;
-}
-
 } // namespace
 
 Observations observe(const AlignmentScene& scene, const AlignmentState& state, const Texels& texels, int level)
@@ -219,36 +212,6 @@ DepthSamples sample_depths(const AlignmentScene& scene, const AlignmentState& st
         result.first_of_frame.push_back(static_cast<std::uint32_t>(result.sample.size()));
     }
     return result;
-}
-
-std::vector<std::uint8_t> select_texels(const AlignmentScene& scene, const AlignmentState& state, const Texels& texels,
-                                        const Observations& observations, int level)
-{
-    const OptimizeTextureParams& params = scene.params;
-    const std::vector<float> gradient = mean_gradients(scene, state, texels, observations, level);
-    const auto bucket_of = [&](TexelId t) {
-        const auto floor_div = [&](int a) { return (a >= 0 ? a : a - params.bucket + 1) / params.bucket; };
-        return std::tuple(texels.plane[t], floor_div(texels.cell[t][1]), floor_div(texels.cell[t][0]));
-    };
-    std::vector<TexelId> order;
-    for (TexelId t = 0; t < texels.size(); ++t)
-        if (observations.views(t) >= 2) order.push_back(t);
-    std::ranges::sort(order, {}, [&](TexelId t) { return std::tuple(bucket_of(t), -gradient[t], t); });
-
-    std::vector<std::uint8_t> keep(texels.size(), 0);
-    for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
-        while (end < order.size() && bucket_of(order[end]) == bucket_of(order[begin]))
-            ++end;
-        const auto best =
-            begin + static_cast<std::size_t>(std::ceil(params.selected * static_cast<double>(end - begin)));
-        for (std::size_t i = begin; i < best && gradient[order[i]] >= params.min_gradient; ++i)
-            keep[order[i]] = 1;
-    }
-    const auto every =
-        params.uniform > 0.0 ? static_cast<std::size_t>(std::ceil(1.0 / params.uniform)) : order.size() + 1;
-    for (std::size_t i = every - 1; i < order.size(); i += every)
-        keep[order[i]] = 1;
-    return keep;
 }
 
 Observations kept(const Observations& observations, const std::vector<std::uint8_t>& keep)

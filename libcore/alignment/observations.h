@@ -40,11 +40,6 @@ Observations observe(const AlignmentScene& scene, const AlignmentState& state, c
 // Every depth_stride-th depth that agrees with the rendered mesh.
 DepthSamples sample_depths(const AlignmentScene& scene, const AlignmentState& state);
 
-// The best texels: in squares of `bucket` texels the part `selected` with the largest mean gradient, and `uniform` of
-// all.
-std::vector<std::uint8_t> select_texels(const AlignmentScene& scene, const AlignmentState& state, const Texels& texels,
-                                        const Observations& observations, int level);
-
 // Observations of the texels that `keep` marks, renumbered as kept() renumbers the texels.
 Observations kept(const Observations& observations, const std::vector<std::uint8_t>& keep);
 

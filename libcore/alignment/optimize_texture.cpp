@@ -125,8 +125,8 @@ bool moved_too_far(const Rigid& from, const Rigid& to, const OptimizeTexturePara
 AlignmentState without_strays(const AlignmentProblem& reference, const AlignmentState& input, AlignmentState state)
 {
     const OptimizeTextureParams& params = reference.scene.params;
-    const BlockEnergies before = energies(reference, input, fit(reference, input).color);
-    const BlockEnergies after = energies(reference, state, fit(reference, state).color);
+    const auto of_blocks = [&](const Fit& f) { return energies(reference, f.state, f.samples, f.color); };
+    const BlockEnergies before = of_blocks(fit(reference, input)), after = of_blocks(fit(reference, state));
     std::size_t strays = 0;
     for (std::size_t k = 0; k < state.camera_from_world.size(); ++k) {
         const bool worse = after.of_frame[k] > (1.0 + params.max_increase) * before.of_frame[k];
@@ -179,7 +179,8 @@ AlignmentState without_stray_normals(const AlignmentProblem& reference, const Al
 void take_out_vignetting(AlignmentScene& scene, const AlignmentProblem& reference, const AlignmentState& start)
 {
     const Observations& observations = reference.observations;
-    const std::array observed{observed_grays(scene, start, reference.texels, observations, reference.level)};
+    const std::array observed{
+        sample_grays(scene, start, {reference.texels, observations, reference.runs}, reference.level).value};
     const auto radius = squared_radii(scene, start, reference.texels, observations);
     correct(scene, estimate_vignetting(observations, radius, observed, scene.params));
 }

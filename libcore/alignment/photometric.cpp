@@ -1,105 +1,162 @@
 #include "alignment/photometric.h"
 
+#include "base/lanes.h"
 #include "base/parallel.h"
-#include "image/sampling.h"
 
 #include <algorithm>
+#include <array>
 
 namespace quoin {
 namespace {
 
-constexpr double kMinDepth = 1e-3; // [m]; points nearer to the camera plane have no pixel
+constexpr float kMinDepth = 1e-3f; // [m]; points nearer to the camera plane have no pixel
 constexpr std::size_t kColorGrain = 4096;
 
-GraySample sample_clamped(const FrameSampler& frame, const Vector3& p_color)
+constexpr std::size_t kBatch = 64;
+using Values = std::array<float, kBatch>;
+using Offsets = std::array<int, kBatch>;
+
+// A run ready to be sampled: from points by way of their projection onto the plane to pixels of a level.
+struct RunSampler {
+    const GrayImage& gray;
+    Eigen::Matrix<float, 3, 4> color_from_point;
+    float fx, fy, cx, cy;
+};
+
+struct Points {
+    alignas(32) Values x, y, z; // [m], world
+};
+
+struct Pixels {
+    alignas(32) Values x, y;                    // place of the point: X/Z, Y/Z
+    alignas(32) Values seen, in_row, in_column; // 1 or 0: before the camera, not clamped in x, not clamped in y
+    alignas(32) Values along, down;             // 0..1, from the pixel at `offset` to the next ones
+    alignas(32) Offsets offset;
+};
+
+struct Corners {
+    alignas(32) Values left, right, lower_left, lower_right;
+};
+
+RunSampler run_sampler(const GrayImage& gray, const Camera& camera, const Rigid& color_from_world,
+                       const CenteredPlane& plane)
 {
-    if (p_color.z() < kMinDepth) return {0.0f, 0.0f, 0.0f};
-    const Eigen::Vector2d u = frame.camera.project(p_color);
-    const double x_max = frame.gray.width - 1.001, y_max = frame.gray.height - 1.001;
-    const double x = std::clamp(u.x(), 0.0, x_max), y = std::clamp(u.y(), 0.0, y_max);
-    GraySample gray = sample_gray(frame.gray, x, y);
-    if (x != u.x()) gray.gx = 0.0f;
-    if (y != u.y()) gray.gy = 0.0f;
-    return gray;
+    const Eigen::Affine3d color_from_point = color_from_world * plane.projection();
+    return {gray,
+            color_from_point.matrix().topRows<3>().cast<float>(),
+            static_cast<float>(camera.fx),
+            static_cast<float>(camera.fy),
+            static_cast<float>(camera.cx),
+            static_cast<float>(camera.cy)};
 }
 
-// Derivative of the corrected grey by focal length (relative), cx and cy of the full image.
-Vector3 by_intrinsics(const FrameSampler& frame, const GraySample& gray, const Vector3& p_color)
+// What is missing to full lanes repeats the last point.
+void gather(Points& points, const Texels& texels, const TexelId* texel, std::size_t count, std::size_t padded)
 {
-    const double gx = frame.exposure.gain * gray.gx, gy = frame.exposure.gain * gray.gy;
-    const double focal = (gx * frame.camera.fx * p_color.x() + gy * frame.camera.fy * p_color.y()) / p_color.z();
-    return {focal, gx * frame.scale, gy * frame.scale};
+    for (std::size_t i = 0; i < padded; ++i) {
+        const Eigen::Vector3f& p = texels.p_world[texel[std::min(i, count - 1)]];
+        points.x[i] = p.x();
+        points.y[i] = p.y();
+        points.z[i] = p.z();
+    }
 }
 
-// p - (n . (p - c) + s) n
-Eigen::Affine3d projection(const CenteredPlane& plane)
+Floats each(float value) { return Floats{} + value; }
+
+void project(Pixels& pixels, const RunSampler& run, const Points& points, std::size_t padded)
 {
-    Eigen::Affine3d result;
-    result.linear() = Eigen::Matrix3d::Identity() - plane.normal * plane.normal.transpose();
-    result.translation() = -plane.signed_distance(Vector3::Zero()) * plane.normal;
-    result.makeAffine();
-    return result;
+    const Eigen::Matrix<float, 3, 4> A = run.color_from_point;
+    const Floats zero{}, one = each(1.0f), nearest = each(kMinDepth);
+    const Floats x_max = each(static_cast<float>(run.gray.width) - 1.001f);
+    const Floats y_max = each(static_cast<float>(run.gray.height) - 1.001f);
+    for (std::size_t i = 0; i < padded; i += kFloats) {
+        const Floats p = load(&points.x[i]), q = load(&points.y[i]), r = load(&points.z[i]);
+        const Floats X = A(0, 0) * p + A(0, 1) * q + A(0, 2) * r + A(0, 3);
+        const Floats Y = A(1, 0) * p + A(1, 1) * q + A(1, 2) * r + A(1, 3);
+        const Floats Z = A(2, 0) * p + A(2, 1) * q + A(2, 2) * r + A(2, 3);
+        const Floats inverse = 1.0f / (Z >= nearest ? Z : nearest);
+        const Floats u = run.fx * (X * inverse) + run.cx, v = run.fy * (Y * inverse) + run.cy;
+        const Floats not_right = u < x_max ? u : x_max, not_below = v < y_max ? v : y_max;
+        const Floats column = not_right > zero ? not_right : zero, row = not_below > zero ? not_below : zero;
+        const Ints x0 = __builtin_convertvector(column, Ints), y0 = __builtin_convertvector(row, Ints);
+        store(X * inverse, &pixels.x[i]);
+        store(Y * inverse, &pixels.y[i]);
+        store(Z >= nearest ? one : zero, &pixels.seen[i]);
+        store(column == u ? one : zero, &pixels.in_row[i]);
+        store(row == v ? one : zero, &pixels.in_column[i]);
+        store(column - __builtin_convertvector(x0, Floats), &pixels.along[i]);
+        store(row - __builtin_convertvector(y0, Floats), &pixels.down[i]);
+        store(y0 * run.gray.width + x0, &pixels.offset[i]);
+    }
+}
+
+void fetch(Corners& corners, const GrayImage& gray, const Offsets& offset, std::size_t padded)
+{
+    for (std::size_t i = 0; i < padded; ++i) {
+        const float* upper = gray.pixels.data() + offset[i];
+        const float* lower = upper + gray.width;
+        corners.left[i] = upper[0];
+        corners.right[i] = upper[1];
+        corners.lower_left[i] = lower[0];
+        corners.lower_right[i] = lower[1];
+    }
+}
+
+// The bilinear surface and its exact derivative.
+void interpolate(GraySamples& samples, std::size_t first, std::size_t count, const RunSampler& run,
+                 const Pixels& pixels, const Corners& corners)
+{
+    for (std::size_t i = 0; i < count; i += kFloats) {
+        const Floats left = load(&corners.left[i]), lower_left = load(&corners.lower_left[i]);
+        const Floats along = load(&pixels.along[i]), down = load(&pixels.down[i]), seen = load(&pixels.seen[i]);
+        const Floats slope_upper = load(&corners.right[i]) - left;
+        const Floats slope_lower = load(&corners.lower_right[i]) - lower_left;
+        const Floats upper = left + along * slope_upper, lower = lower_left + along * slope_lower;
+        const Floats slope = slope_upper + down * (slope_lower - slope_upper);
+        const std::size_t o = first + i, n = count - i;
+        store_part(seen * (upper + down * (lower - upper)), &samples.value[o], n);
+        store_part(seen * load(&pixels.in_row[i]) * (run.fx * slope), &samples.by_x[o], n);
+        store_part(seen * load(&pixels.in_column[i]) * (run.fy * (lower - upper)), &samples.by_y[o], n);
+        store_part(load(&pixels.x[i]), &samples.x[o], n);
+        store_part(load(&pixels.y[i]), &samples.y[o], n);
+    }
+}
+
+// All is done in lanes but for what is loaded from anywhere.
+void sample_run(GraySamples& samples, const RunSampler& sampler, const SampledTexels& sampled,
+                const ObservationRun& run)
+{
+    Points points;
+    Pixels pixels;
+    Corners corners;
+    for (std::size_t first = run.begin; first < run.end; first += kBatch) {
+        const std::size_t count = std::min<std::size_t>(kBatch, run.end - first);
+        const std::size_t padded = (count + kFloats - 1) / kFloats * kFloats;
+        gather(points, sampled.texels, &sampled.observations.texel[first], count, padded);
+        project(pixels, sampler, points, padded);
+        fetch(corners, sampler.gray, pixels.offset, padded);
+        interpolate(samples, first, count, sampler, pixels, corners);
+    }
 }
 
 } // namespace
 
-FrameSampler frame_sampler(const AlignmentScene& scene, const AlignmentState& state, std::size_t frame, int level)
+GraySamples sample_grays(const AlignmentScene& scene, const AlignmentState& state, const SampledTexels& sampled,
+                         int level)
 {
-    return {scene.images[frame].gray[static_cast<std::size_t>(level)],
-            state.color.camera.at_level(level),
-            1.0 / (1 << level),
-            state.camera_from_world[frame],
-            state.color.color_from_depth,
-            state.exposure[frame]};
-}
-
-// Notation of the derivatives: x the point in the camera, G = dI/dx (a row), m = G in world axes, d = distance of the
-// texel's point to its plane. q = p - d n, so dq/d(alpha) = -(n (p-c)^T + d) B and dq/ds = -n.
-PhotometricRow photometric_row(const FrameSampler& frame, const CenteredPlane& plane, const TangentBasis& tangents,
-                               const Vector3& p_world)
-{
-    const double d = plane.signed_distance(p_world);
-    const Vector3 x_depth = frame.camera_from_world * (p_world - d * plane.normal);
-    const Vector3 x = frame.color_from_depth * x_depth;
-    const GraySample gray = sample_clamped(frame, x);
-    PhotometricRow row;
-    row.value = frame.exposure.gain * gray.value + frame.exposure.bias;
-    if (x.z() < kMinDepth) return row;
-
-    const double a = frame.exposure.gain * gray.gx * frame.camera.fx / x.z();
-    const double b = frame.exposure.gain * gray.gy * frame.camera.fy / x.z();
-    const Vector3 G(a, b, -(a * x.x() + b * x.y()) / x.z());
-    const Vector3 G_depth = frame.color_from_depth.linear().transpose() * G;
-    const Vector3 m = frame.camera_from_world.linear().transpose() * G_depth;
-    const double m_n = m.dot(plane.normal);
-    row.pose = twist(x_depth.cross(G_depth), G_depth);
-    row.plane.head<2>() = -(tangents.transpose() * (m_n * (p_world - plane.center) + d * m));
-    row.plane.z() = -m_n;
-    row.calibration.head<6>() = twist(x.cross(G), G);
-    row.calibration.tail<3>() = by_intrinsics(frame, gray, x);
-    return row;
-}
-
-std::vector<float> observed_grays(const AlignmentScene& scene, const AlignmentState& state, const Texels& texels,
-                                  const Observations& observations, int level)
-{
-    std::vector<float> gray(observations.size());
+    const Camera camera = state.color.camera.at_level(level);
+    GraySamples samples;
+    for (auto* values : {&samples.value, &samples.by_x, &samples.by_y, &samples.x, &samples.y})
+        values->resize(sampled.observations.size());
     parallel_for(scene.frames(), [&](std::size_t k) {
-        const FrameSampler frame = frame_sampler(scene, state, k, level);
-        const Rigid color_from_world = frame.color_from_depth * frame.camera_from_world;
-        PlaneId plane = kNoPlane;
-        Eigen::Affine3d color_from_point =
-            Eigen::Affine3d::Identity(); // by way of the point's projection onto its plane
-        for (std::uint32_t o = observations.first_of_frame[k]; o < observations.first_of_frame[k + 1]; ++o) {
-            const TexelId t = observations.texel[o];
-            if (texels.plane[t] != plane) {
-                plane = texels.plane[t];
-                color_from_point = color_from_world * projection(state.plane[plane]);
-            }
-            gray[o] = sample_clamped(frame, color_from_point * texels.p_world[t].cast<double>()).value;
+        const GrayImage& gray = scene.images[k].gray[static_cast<std::size_t>(level)];
+        const Rigid color_from_world = state.color.color_from_depth * state.camera_from_world[k];
+        for (std::uint32_t r = sampled.runs.first_of_frame[k]; r < sampled.runs.first_of_frame[k + 1]; ++r) {
+            const ObservationRun& run = sampled.runs.run[r];
+            sample_run(samples, run_sampler(gray, camera, color_from_world, state.plane[run.plane]), sampled, run);
         }
     });
-    return gray;
+    return samples;
 }
 
 std::vector<float> texel_colors(const Observations& observations, const std::vector<float>& gray, double delta,

@@ -1,35 +1,25 @@
 // The colour term E_c: a texel must look the same in every frame that sees it.
 #pragma once
 
-#include "alignment/observations.h"
+#include "alignment/runs.h"
 
 namespace quoin {
 
-// r = gain I(pi(p)) + bias, the corrected grey of a texel in a frame, and its derivatives; grey 0..1.
-struct PhotometricRow {
-    double value = 0.0;              // corrected grey
-    Twist pose = Twist::Zero();      // by (omega, v) of the frame
-    Vector3 plane = Vector3::Zero(); // by (alpha, s) of the texel's plane
-    CalibrationStep calibration = CalibrationStep::Zero();
+// What frames show of their texels: the grey, not corrected by the exposure, 0..1; the place (X/Z, Y/Z) where the
+// colour camera sees the texel; and the derivatives of the grey by it. A point outside the image takes the colour of
+// its border, with no derivative: the energy keeps its set of terms.
+struct GraySamples {
+    std::vector<float> value, by_x, by_y, x, y; // of every observation
 };
 
-// A frame at a level, ready to be sampled.
-struct FrameSampler {
-    const GrayImage& gray;
-    Camera camera; // of `gray`
-    double scale;  // pixels of `gray` per pixel of the full image
-    Rigid camera_from_world, color_from_depth;
-    Exposure exposure;
+// Texels, and who sees them.
+struct SampledTexels {
+    const Texels& texels;
+    const Observations& observations;
+    const ObservationRuns& runs;
 };
-FrameSampler frame_sampler(const AlignmentScene& scene, const AlignmentState& state, std::size_t frame, int level);
-
-// A point outside the image takes the colour of its border, with no derivative: the energy keeps its set of terms.
-PhotometricRow photometric_row(const FrameSampler& frame, const CenteredPlane& plane, const TangentBasis& tangents,
-                               const Vector3& p_world);
-
-// Grey of every observation as its frame shows it, not corrected by the exposure.
-std::vector<float> observed_grays(const AlignmentScene& scene, const AlignmentState& state, const Texels& texels,
-                                  const Observations& observations, int level);
+GraySamples sample_grays(const AlignmentScene& scene, const AlignmentState& state, const SampledTexels& sampled,
+                         int level);
 
 // Texel colours that minimise the robust cost: their means to begin with, then `rounds` of reweighting by Huber's
 // weight at `delta`. Each round lowers the cost.

@@ -1,5 +1,7 @@
 #include "alignment/problem.h"
 
+#include "alignment/selection.h"
+
 #include <algorithm>
 
 namespace quoin {
@@ -86,7 +88,7 @@ AlignmentProblem make_problem(const ProblemSource& source, const AlignmentState&
 {
     const AlignmentScene& scene = source.scene;
     AlignmentProblem problem{
-        scene, level, sample_texels(scene.mesh, spacing), {}, {}, {}, {}, {}, source.lambda_p, source.input, {},
+        scene, level, sample_texels(scene.mesh, spacing), {}, {}, {}, {}, {}, {}, source.lambda_p, source.input, {},
         {},    {}};
     problem.scatter = scene.params.plane_term == PlaneTermKind::Moments ? scatters_of_moments(scene.mesh, spacing)
                                                                         : scatters_of_texels(problem.texels);
@@ -96,6 +98,7 @@ AlignmentProblem make_problem(const ProblemSource& source, const AlignmentState&
         problem.texels = kept(problem.texels, keep);
         problem.observations = kept(problem.observations, keep);
     }
+    problem.runs = runs_of(problem.observations, problem.texels);
     problem.depths = source.depths;
     problem.lines = lines_within(source.lines, state, scene.params.max_line_distance);
     problem.line_depths = source.line_depths;

@@ -37,21 +37,35 @@ void dilate(Image<std::uint8_t>& mask, int radius)
                     mask.at(x, v) = 1;
 }
 
+// Marks the edges between pixels of `a` and the neighbours `b` on both sides.
+void mark_edges(const float* a, const float* b, std::uint8_t* mask_a, std::uint8_t* mask_b, int count, int* is_edge,
+                const DepthJump& jump)
+{
+    const auto least = static_cast<float>(jump.least), floor = static_cast<float>(jump.floor);
+    const auto square = static_cast<float>(jump.square);
+    for (int x = 0; x < count; ++x) {
+        const float nearer = a[x] < b[x] ? a[x] : b[x], step = a[x] < b[x] ? b[x] - a[x] : a[x] - b[x];
+        const float limit = floor + square * nearer * nearer;
+        is_edge[x] = static_cast<int>((nearer > 0.0f) & (step > limit) & (step > least));
+    }
+    for (int x = 0; x < count; ++x)
+        mask_a[x] = static_cast<std::uint8_t>(mask_a[x] | is_edge[x]);
+    for (int x = 0; x < count; ++x)
+        mask_b[x] = static_cast<std::uint8_t>(mask_b[x] | is_edge[x]);
+}
+
 } // namespace
 
-Image<std::uint8_t> near_depth_edges(const DepthImage& depth, int radius, const std::function<double(double)>& jump)
+Image<std::uint8_t> near_depth_edges(const DepthImage& depth, int radius, const DepthJump& jump)
 {
     Image<std::uint8_t> mask(depth.width, depth.height, 0);
-    const auto compare = [&](int x, int y, int u, int v) {
-        if (u >= depth.width || v >= depth.height) return;
-        const float a = depth.at(x, y), b = depth.at(u, v);
-        if (a > 0.0f && b > 0.0f && std::abs(a - b) > jump(std::min(a, b))) mask.at(x, y) = mask.at(u, v) = 1;
-    };
-    for (int y = 0; y < depth.height; ++y)
-        for (int x = 0; x < depth.width; ++x) {
-            compare(x, y, x + 1, y);
-            compare(x, y, x, y + 1);
-        }
+    std::vector<int> is_edge(static_cast<std::size_t>(depth.width));
+    for (int y = 0; y < depth.height; ++y) {
+        const float* row = depth.row(y);
+        mark_edges(row, row + 1, mask.row(y), mask.row(y) + 1, depth.width - 1, is_edge.data(), jump);
+        if (y + 1 < depth.height)
+            mark_edges(row, depth.row(y + 1), mask.row(y), mask.row(y + 1), depth.width, is_edge.data(), jump);
+    }
     if (radius > 0) dilate(mask, radius);
     return mask;
 }
@@ -66,9 +80,9 @@ AlignmentScene load_scene(const Scan& scan, const ImageReader& read, const Keyfr
         KeyframeImages& images = scene.images[k];
         images.gray = pyramid(to_gray(read.color(keyframes.frame[k])), params);
         images.depth = read.depth(keyframes.frame[k]);
-        images.near_edge = near_depth_edges(images.depth, params.jump_radius, [&](double z) {
-            return std::max(params.depth_jump, 3.0 * scene.depth_sigma(z));
-        });
+        images.near_edge =
+            near_depth_edges(images.depth, params.jump_radius,
+                             {params.depth_jump, 3.0 * params.depth_noise_floor, 3.0 * params.depth_noise});
         progress.step();
     });
     return scene;

@@ -39,7 +39,12 @@ struct AlignmentScene {
 AlignmentScene load_scene(const Scan& scan, const ImageReader& read, const Keyframes& keyframes, const PlaneMesh& mesh,
                           const OptimizeTextureParams& params);
 
-// Marks pixels within `radius` of a step between neighbouring depths larger than jump(z). Missing depth is no step.
-Image<std::uint8_t> near_depth_edges(const DepthImage& depth, int radius, const std::function<double(double)>& jump);
+// The least step between neighbouring depths that is an edge, by the nearer one: max(least, floor + square z^2) [m].
+struct DepthJump {
+    double least = 0.0, floor = 0.0, square = 0.0;
+};
+
+// Marks pixels within `radius` of an edge. Missing depth is no edge.
+Image<std::uint8_t> near_depth_edges(const DepthImage& depth, int radius, const DepthJump& jump);
 
 } // namespace quoin

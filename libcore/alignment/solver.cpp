@@ -16,17 +16,15 @@ enum class Block { Pose, Plane, Calibration };
 // The exposures that fit the greys of a state, if they lower its energy.
 Fit with_better_exposures(const AlignmentProblem& problem, Fit current)
 {
-    Fit candidate = with_exposures(problem, current,
-                                   estimate_exposures(problem.observations, current.observed, problem.scene.params));
-    if (candidate.energy.total() < current.energy.total()) return candidate;
-    return current;
+    auto exposure = estimate_exposures(problem.observations, current.samples.value, problem.scene.params);
+    return with_exposures(problem, std::move(current), std::move(exposure));
 }
 
 // The best of the steps with rising damping, or the state itself. `damping` is left at what the next step should try.
 Fit joint_step(const AlignmentProblem& problem, Fit current, double& damping)
 {
     const OptimizeTextureParams& params = problem.scene.params;
-    const auto equations = linearize(problem, current.state, current.color, TexelColors::Eliminated);
+    const auto equations = linearize(problem, current.state, current.samples, current.color, TexelColors::Eliminated);
     for (int trial = 0; trial < params.damping_trials; ++trial) {
         Fit candidate = fit(
             problem, moved(current.state, solve_joint(equations, damping, params.cg_iterations, params.cg_tolerance)));
@@ -39,9 +37,9 @@ Fit joint_step(const AlignmentProblem& problem, Fit current, double& damping)
     return current;
 }
 
-bool has_fallen(const Fit& before, const Fit& after, const OptimizeTextureParams& params)
+bool has_fallen(double before, const Fit& after, const OptimizeTextureParams& params)
 {
-    return before.energy.total() - after.energy.total() > params.min_decrease * before.energy.total();
+    return before - after.energy.total() > params.min_decrease * before;
 }
 
 void keep_only(StepVector& step, const StepLayout& layout, Block block)
@@ -55,10 +53,14 @@ void keep_only(StepVector& step, const StepLayout& layout, Block block)
 AlignmentState block_step(const AlignmentProblem& problem, const AlignmentState& state, const std::vector<float>& color,
                           Block block)
 {
-    const auto equations = linearize(problem, state, color, TexelColors::Frozen);
+    const GraySamples samples = sample_grays(problem, state);
+    const auto equations = linearize(problem, state, samples, color, TexelColors::Frozen);
     StepVector step = solve_blocks(equations, problem.scene.params.damping);
     keep_only(step, equations.layout, block);
-    const BlockEnergies before = energies(problem, state, color), after = energies(problem, moved(state, step), color);
+    const auto energies_of = [&](const AlignmentState& candidate) {
+        return energies(problem, candidate, sample_grays(problem, candidate), color);
+    };
+    const BlockEnergies before = energies(problem, state, samples, color), after = energies_of(moved(state, step));
     const auto put_back = [&](Eigen::Index first, Eigen::Index size, double was, double is) {
         if (!(is < was)) step.segment(first, size).setZero();
     };
@@ -69,7 +71,7 @@ AlignmentState block_step(const AlignmentProblem& problem, const AlignmentState&
         for (std::size_t p = 0; p < before.of_plane.size(); ++p)
             put_back(equations.layout.plane(p), 3, before.of_plane[p], after.of_plane[p]);
     const AlignmentState candidate = moved(state, step);
-    return energies(problem, candidate, color).sum.total() < before.sum.total() ? candidate : state;
+    return energies_of(candidate).sum.total() < before.sum.total() ? candidate : state;
 }
 
 } // namespace
@@ -82,7 +84,7 @@ AlignmentState minimize_jointly(const AlignmentProblem& problem, AlignmentState 
     bool exposures_settled = !params.optimize_exposure;
     Fit current = fit(problem, std::move(state));
     for (int i = 0; i < params.iterations; ++i) {
-        const Fit before = current;
+        const double before = current.energy.total();
         if (!exposures_settled) {
             current = with_better_exposures(problem, std::move(current));
             exposures_settled = !has_fallen(before, current, params);
@@ -100,13 +102,13 @@ AlignmentState minimize_alternating(const AlignmentProblem& problem, AlignmentSt
     const OptimizeTextureParams& params = problem.scene.params;
     Fit current = fit(problem, std::move(state));
     for (int i = 0; i < params.outer_loops; ++i) {
-        const Fit before = current;
+        const double before = current.energy.total();
         AlignmentState next = current.state;
         for (int loop = 0; loop < params.pose_loops; ++loop)
-            next = block_step(problem, next, before.color, Block::Pose);
+            next = block_step(problem, next, current.color, Block::Pose);
         for (int loop = 0; loop < params.plane_loops; ++loop)
-            next = block_step(problem, next, before.color, Block::Plane);
-        if (problem.color_camera_is_free) next = block_step(problem, next, before.color, Block::Calibration);
+            next = block_step(problem, next, current.color, Block::Plane);
+        if (problem.color_camera_is_free) next = block_step(problem, next, current.color, Block::Calibration);
         current = fit(problem, std::move(next));
         if (params.optimize_exposure) current = with_better_exposures(problem, std::move(current));
         on_iteration(current.state);

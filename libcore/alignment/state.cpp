@@ -4,6 +4,16 @@
 
 namespace quoin {
 
+// p - (n . (p - c) + s) n
+Eigen::Affine3d CenteredPlane::projection() const
+{
+    Eigen::Affine3d result;
+    result.linear() = Eigen::Matrix3d::Identity() - normal * normal.transpose();
+    result.translation() = -signed_distance(Vector3::Zero()) * normal;
+    result.makeAffine();
+    return result;
+}
+
 TangentBasis CenteredPlane::tangents() const
 {
     TangentBasis basis;

@@ -23,6 +23,7 @@ struct CenteredPlane {
 
     double signed_distance(const Vector3& p) const { return normal.dot(p - center) + offset; }
     Vector3 project(const Vector3& p) const { return p - signed_distance(p) * normal; }
+    Eigen::Affine3d projection() const; // the same as a map
     // Two axes orthogonal to the normal; a function of the normal alone.
     TangentBasis tangents() const;
     // The plane after a step (alpha, s): normal + tangents alpha, normalised; offset + s.

@@ -45,6 +45,19 @@ std::vector<Eigen::Vector3d> to_camera(const TriangleMesh& mesh, const Rigid& ca
     return p_camera;
 }
 
+// Beyond one border of the image as a whole, by more than a pixel, so that rounding plays no part. The sides are linear
+// in the corners: what of the triangle is before the camera is beyond the border, too.
+bool is_outside(const Corners& v, const Camera& camera)
+{
+    const double left = camera.cx + 1.0, right = camera.width - camera.cx;
+    const double top = camera.cy + 1.0, bottom = camera.height - camera.cy;
+    const auto all = [&](const auto& beyond) { return beyond(v[0]) && beyond(v[1]) && beyond(v[2]); };
+    return all([&](const Eigen::Vector3d& p) { return camera.fx * p.x() + left * p.z() < 0.0; }) ||
+           all([&](const Eigen::Vector3d& p) { return camera.fx * p.x() - right * p.z() > 0.0; }) ||
+           all([&](const Eigen::Vector3d& p) { return camera.fy * p.y() + top * p.z() < 0.0; }) ||
+           all([&](const Eigen::Vector3d& p) { return camera.fy * p.y() - bottom * p.z() > 0.0; });
+}
+
 bool is_drawable(const Corners& v, const RasterizeOptions& options)
 {
     const bool finite = v[0].allFinite() && v[1].allFinite() && v[2].allFinite();
@@ -168,7 +181,7 @@ Visibility rasterize(const TriangleMesh& mesh, const Camera& camera, const Rigid
     for (FaceId id = 0; id < mesh.face.size(); ++id) {
         const Face& f = mesh.face[id];
         const Corners v{p_camera[f[0]], p_camera[f[1]], p_camera[f[2]]};
-        if (!is_drawable(v, options)) continue;
+        if (!is_drawable(v, options) || is_outside(v, camera)) continue;
         const auto plane = inverse_depth(v, camera, options.near_plane);
         if (!plane) continue;
         find_spans(spans, clip_and_project(v, camera, options.near_plane), camera.height);

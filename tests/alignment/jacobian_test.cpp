@@ -2,6 +2,7 @@
 #include "alignment/depth_term.h"
 #include "alignment/line_term.h"
 #include "alignment/photometric.h"
+#include "alignment/plane_flow.h"
 #include "alignment/plane_term.h"
 #include "alignment/pose_prior.h"
 #include "image/sampling.h"
@@ -80,41 +81,95 @@ double ramp_gray(const AlignmentState& state, const CenteredPlane& plane, const 
     return state.exposure[0].gain * (slope * (3 * u.x() + 2 * u.y()) + 0.1) + state.exposure[0].bias;
 }
 
-FrameSampler sampler(const AlignmentState& state, const GrayImage& image)
+// What the frame of a state shows of one point of its first plane.
+GraySamples sample(const AlignmentState& state, const GrayImage& image, const Vector3& p)
 {
-    return {
-        image, state.color.camera, 1.0, state.camera_from_world[0], state.color.color_from_depth, state.exposure[0]};
+    const PlaneMesh mesh;
+    const OptimizeTextureParams params;
+    AlignmentScene scene{mesh, params, {}, {}};
+    scene.images.push_back({{image}, {}, {}});
+    Texels texels;
+    texels.p_world = {p.cast<float>()};
+    texels.plane = {0};
+    texels.first_of_plane = {0, 1, 1};
+    const Observations observations{{0, 1}, {0}, {0}, {0, 1}, {0}};
+    return sample_grays(scene, state, {texels, observations, runs_of(observations, texels)}, 0);
 }
 
-TEST(PhotometricRow, HasTheDerivativeByPosePlaneAndCalibration)
+// The derivative of the corrected grey along the flow of a step of pose, plane and calibration.
+double derivative(const AlignmentState& state, const GraySamples& samples, const Eigen::VectorXd& step)
 {
+    const PlaneFlow plane = plane_flow(state.color.color_from_depth * state.camera_from_world[0], state.plane[0]);
+    const Eigen::Matrix3d F =
+        plane.flow(camera_flow(state.color).step(step.head<6>(), step.tail<9>()), step.segment<3>(6));
+    const Vector3 r(samples.x[0], samples.y[0], 1.0);
+    const Vector3 h(samples.by_x[0], samples.by_y[0], -(samples.by_x[0] * r.x() + samples.by_y[0] * r.y()));
+    return state.exposure[0].gain * h.dot(F * r);
+}
+
+Eigen::VectorXd derivatives(const AlignmentState& state, const GraySamples& samples)
+{
+    Eigen::VectorXd result(18);
+    for (int i = 0; i < 18; ++i)
+        result[i] = derivative(state, samples, Eigen::VectorXd::Unit(18, i));
+    return result;
+}
+
+AlignmentState moved_by(const AlignmentState& state, const Eigen::VectorXd& step)
+{
+    AlignmentState result = state;
+    result.camera_from_world[0] = moved(state.camera_from_world[0], Twist(step.head<6>()));
+    result.plane[0] = state.plane[0].moved(step.segment<3>(6));
+    result.color = state.color.moved(step.tail<9>());
+    return result;
+}
+
+TEST(PlaneFlow, HasTheDerivativeByPosePlaneAndCalibration)
+{
+    constexpr double kFloatError = 1e-4; // samples are floats
     const GrayImage image = ramp(64, 48);
     for (unsigned seed = 0; seed < 20; ++seed) {
         Random random{std::mt19937(seed)};
         const AlignmentState state = random_state(random);
-        const CenteredPlane& plane = state.plane[0];
-        const Vector3 p = plane.project(Vector3(0, 0, 2) + random.vector(0.3)) + random(-0.05, 0.05) * plane.normal;
-        const auto row = photometric_row(sampler(state, image), plane, plane.tangents(), p);
-        EXPECT_NEAR(row.value, ramp_gray(state, plane, p), 1e-6);
-
-        const auto by_pose = [&](const Eigen::VectorXd& step) {
-            AlignmentState s = state;
-            s.camera_from_world[0] = moved(s.camera_from_world[0], step);
-            return ramp_gray(s, plane, p);
+        const Vector3 p = state.plane[0].project(Vector3(0, 0, 2) + random.vector(0.3));
+        const GraySamples samples = sample(state, image, p);
+        EXPECT_NEAR(state.exposure[0].gain * samples.value[0] + state.exposure[0].bias,
+                    ramp_gray(state, state.plane[0], p), 1e-6);
+        const auto gray_after = [&](const Eigen::VectorXd& step) {
+            const AlignmentState after = moved_by(state, step);
+            return ramp_gray(after, after.plane[0], p);
         };
-        const auto by_plane = [&](const Eigen::VectorXd& step) { return ramp_gray(state, plane.moved(step), p); };
-        const auto by_calibration = [&](const Eigen::VectorXd& step) {
-            AlignmentState s = state;
-            s.color = s.color.moved(step);
-            return ramp_gray(s, plane, p);
-        };
-        expect_equal(row.pose, central_differences(6, 1e-5, by_pose));
-        expect_equal(row.plane, central_differences(3, 1e-5, by_plane));
-        expect_equal(row.calibration, central_differences(9, 1e-5, by_calibration));
+        const Eigen::VectorXd analytic = derivatives(state, samples);
+        const Eigen::VectorXd numeric = central_differences(18, 1e-5, gray_after);
+        expect_equal(analytic.head<6>(), numeric.head<6>(), kFloatError);
+        expect_equal(analytic.segment<3>(6), numeric.segment<3>(6), kFloatError);
+        expect_equal(analytic.tail<9>(), numeric.tail<9>(), kFloatError);
     }
 }
 
-TEST(PhotometricRow, HasTheExactDerivativeOfTheSampledSmoothedImage)
+TEST(PlaneFlow, HasGradientsThatAreItsTranspose)
+{
+    Random random{std::mt19937(11)};
+    const AlignmentState state = random_state(random);
+    const CameraFlow camera = camera_flow(state.color);
+    const PlaneFlow plane = plane_flow(state.color.color_from_depth * state.camera_from_world[0], state.plane[0]);
+    for (int i = 0; i < 20; ++i) {
+        const Twist pose = twist(random.vector(1), random.vector(1));
+        CalibrationStep calibration;
+        calibration << random.vector(1), random.vector(1), random.vector(1);
+        const Vector3 by_plane = random.vector(1);
+        Eigen::Matrix3d S;
+        S << random.vector(1), random.vector(1), random.vector(1);
+        const CameraStep gradient = plane.camera_gradient(S);
+        const double expected = (S.array() * plane.flow(camera.step(pose, calibration), by_plane).array()).sum();
+        EXPECT_NEAR(camera.pose_gradient(gradient).dot(pose) + camera.calibration_gradient(gradient).dot(calibration) +
+                        plane.plane_gradient(S).dot(by_plane),
+                    expected, 1e-9);
+        EXPECT_LT((camera.by_pose() * pose - camera.step(pose, CalibrationStep::Zero()).head<6>()).norm(), 1e-12);
+    }
+}
+
+TEST(GraySample, HasTheExactDerivativeOfTheSampledSmoothedImage)
 {
     GrayImage noise(64, 48);
     std::mt19937 generator(7);
@@ -132,15 +187,15 @@ TEST(PhotometricRow, HasTheExactDerivativeOfTheSampledSmoothedImage)
     }
 }
 
-TEST(PhotometricRow, IsFlatOutsideTheImage)
+TEST(GraySamples, AreFlatOutsideTheImage)
 {
     Random random{std::mt19937(0)};
     AlignmentState state = random_state(random);
     state.camera_from_world[0] = Rigid(Eigen::Translation3d(50.0, 50.0, 0.0)) * state.camera_from_world[0];
     const GrayImage image = ramp(64, 48);
-    const auto row = photometric_row(sampler(state, image), state.plane[0], state.plane[0].tangents(), {0, 0, 2});
-    EXPECT_EQ(row.pose.norm(), 0.0);
-    EXPECT_TRUE(std::isfinite(row.value));
+    const GraySamples samples = sample(state, image, {0, 0, 2});
+    EXPECT_EQ(derivatives(state, samples).norm(), 0.0);
+    EXPECT_TRUE(std::isfinite(samples.value[0]));
 }
 
 TEST(DepthRows, HaveTheDerivativeByPoseAndPlane)

@@ -1,0 +1,70 @@
+// Eight floats or four doubles that one instruction works on. Sums run in lanes, which are added up in order: the same
+// bytes on every machine.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+#ifdef __AVX2__
+#include <immintrin.h>
+#endif
+
+namespace quoin {
+
+using Floats = float __attribute__((vector_size(32)));
+using Ints = int __attribute__((vector_size(32)));
+using Doubles = double __attribute__((vector_size(32)));
+inline constexpr std::size_t kFloats = sizeof(Floats) / sizeof(float);
+inline constexpr std::size_t kDoubles = sizeof(Doubles) / sizeof(double);
+
+inline Floats load(const float* from)
+{
+    Floats lanes;
+    std::memcpy(&lanes, from, sizeof lanes);
+    return lanes;
+}
+inline Doubles load(const double* from)
+{
+    Doubles lanes;
+    std::memcpy(&lanes, from, sizeof lanes);
+    return lanes;
+}
+inline void store(const Floats& lanes, float* to) { std::memcpy(to, &lanes, sizeof lanes); }
+
+inline void store(const Ints& lanes, int* to) { std::memcpy(to, &lanes, sizeof lanes); }
+
+// The first `count` lanes, zero in the others: for the end of an array, of which no more is touched.
+#ifdef __AVX2__
+inline __m256i first_lanes(std::size_t count)
+{
+    alignas(32) static constexpr int kMask[2 * kFloats] = {-1, -1, -1, -1, -1, -1, -1, -1};
+    return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(kMask + kFloats - std::min(count, kFloats)));
+}
+inline Floats load_part(const float* from, std::size_t count) { return _mm256_maskload_ps(from, first_lanes(count)); }
+inline void store_part(const Floats& lanes, float* to, std::size_t count)
+{
+    _mm256_maskstore_ps(to, first_lanes(count), lanes);
+}
+#else
+inline Floats load_part(const float* from, std::size_t count)
+{
+    Floats lanes{};
+    std::memcpy(&lanes, from, std::min(count, kFloats) * sizeof(float));
+    return lanes;
+}
+inline void store_part(const Floats& lanes, float* to, std::size_t count)
+{
+    std::memcpy(to, &lanes, std::min(count, kFloats) * sizeof(float));
+}
+#endif
+
+inline double sum(const Floats& lanes)
+{
+    double total = 0.0;
+    for (std::size_t i = 0; i < kFloats; ++i)
+        total += static_cast<double>(lanes[i]);
+    return total;
+}
+inline double sum(const Doubles& lanes) { return (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]); }
+
+} // namespace quoin
