@@ -75,7 +75,7 @@ struct OptimizeTextureParams {
     double prior_rotation = 1.0;
     double shared_errors = 4.0;
     double exposure_prior = 0.0003;
-    double bias_prior = 0.03;
+    double bias_prior = 0.01;
     int exposure_rounds = 3;
     double prior_focal = 0.03;
     double prior_center = 10.0;
