@@ -63,7 +63,7 @@ void Remesher::hold_settled(const Settled& settled)
                 if (!is_here(a, face[k])) continue;
                 held_[static_cast<std::size_t>(a - part_.dense.begin())] = 1;
                 if (!is_here(b, face[(k + 1) % 3])) continue;
-                const auto [low, high] = std::minmax(a - part_.dense.begin(), b - part_.dense.begin());
+                const auto [low, high] = std::minmax({a - part_.dense.begin(), b - part_.dense.begin()}); // by value
                 settled_edges_.push_back({static_cast<VertexId>(low), static_cast<VertexId>(high)});
             }
 }
