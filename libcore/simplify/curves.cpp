@@ -168,10 +168,4 @@ Curves trace_curves(const PlaneMesh& mesh, const std::vector<std::uint32_t>& opp
     return Tracer(mesh, std::move(edges)).trace();
 }
 
-Curves trace_curves(const PlaneMesh& mesh)
-{
-    const auto opposite = opposite_half_edges(mesh.mesh);
-    return trace_curves(mesh, opposite, border_half_edges(mesh, opposite));
-}
-
 } // namespace quoin

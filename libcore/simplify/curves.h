@@ -47,9 +47,7 @@ struct Curves {
 std::vector<std::uint32_t> border_half_edges(const PlaneMesh& mesh, const std::vector<std::uint32_t>& opposite);
 
 // Curves in the order of their corners and the smallest vertex of closed ones. Edges of three or more faces are in no
-// curve.
-Curves trace_curves(const PlaneMesh& mesh);
-// The same where the opposites of half-edges and the borders are known.
+// curve. border: of border_half_edges(), all or those of some planes.
 Curves trace_curves(const PlaneMesh& mesh, const std::vector<std::uint32_t>& opposite,
                     std::span<const std::uint32_t> border);
 

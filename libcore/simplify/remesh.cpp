@@ -55,7 +55,7 @@ PlaneMesh remesh(PlaneMesh mesh, std::vector<std::uint32_t> opposite, const Simp
         for (PlaneId z = 0; z < settled.face.size(); ++z)
             if (zones.pending(z)) settled.face[z].clear();
     }
-    log_info(fmt::format("{} planes and pieces of planes are filled anew, {} and knots keep their shape",
+    log_info(fmt::format("{} pieces of planes are filled anew, {} pieces and knots keep their shape",
                          zones.size() - zones.rough_count(), zones.rough_count()));
     return joined(zones, settled);
 }

@@ -22,7 +22,7 @@ public:
     // Have all zones been filled?
     bool run();
     std::vector<Zones::Failure> failures() const;
-    // Adds the zones that have been simplified; in the end all vertices are where floats can be.
+    // Adds the faces of the zones that have been simplified, and all borders as they are now.
     void settle(Settled& settled) const;
 
 private:

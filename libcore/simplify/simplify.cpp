@@ -29,7 +29,7 @@ PlaneMesh by_quadrics(PlaneMesh mesh, const Opposites& opposite, const SimplifyP
 {
     mesh.vertex_class = classify_vertices(mesh.mesh, mesh.face_plane, opposite);
     if (params.snap_distance > 0.0) snap_to_planes(mesh, params);
-    Curves curves = trace_curves(mesh);
+    Curves curves = trace_curves(mesh, opposite, border_half_edges(mesh, opposite));
     contract(mesh, curves, params);
     return mesh;
 }
