@@ -1,7 +1,7 @@
 #include "mesh/plane_fit.h"
 
 #include "base/parallel.h"
-#include "mesh/grouped_faces.h"
+#include "geometry/groups.h"
 
 #include <algorithm>
 #include <cmath>
@@ -163,7 +163,7 @@ private:
 FittedPlanes fit_planes(const TriangleMesh& mesh, const std::vector<PlaneId>& face_plane, std::size_t planes,
                         const RobustFit& fit)
 {
-    const GroupedFaces groups = group_faces(face_plane, planes);
+    const Groups groups = group_items(face_plane, planes);
     FittedPlanes result{std::vector<Plane>(planes), std::vector<Moments>(planes)};
     parallel_for(planes, [&](std::size_t p) {
         if (groups.of(p).empty()) return;

@@ -2,9 +2,9 @@
 
 #include "base/parallel.h"
 #include "base/progress.h"
+#include "geometry/groups.h"
 #include "geometry/pca_energy.h"
 #include "mesh/adjacency.h"
-#include "mesh/grouped_faces.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -37,7 +37,7 @@ public:
           border_weight_(border_weight(mesh, limits.border_distance)), origin_(corner(mesh, 0, 0)),
           regions_(1 + *std::max_element(label.begin(), label.end())), place_(label.size(), Place::Out)
     {
-        const GroupedFaces groups = group_faces(label, regions_.size());
+        const Groups groups = group_items(label, regions_.size());
         parallel_for(regions_.size(), [&](std::size_t r) { regions_[r] = sum_of(groups.of(r)); });
         queue_ = border_faces();
     }

@@ -5,22 +5,6 @@
 namespace quoin {
 namespace {
 
-// Sorts 0..n-1 by key: items of key k are item[first[k]] .. item[first[k+1]-1], ascending. Keys of kNoPlane are left
-// out.
-void counting_sort(const std::vector<PlaneId>& key, std::size_t keys, std::vector<std::uint32_t>& first,
-                   std::vector<std::uint32_t>& item)
-{
-    first.assign(keys + 1, 0);
-    for (const PlaneId k : key)
-        if (k != kNoPlane) ++first[k + 1];
-    for (std::size_t k = 0; k < keys; ++k)
-        first[k + 1] += first[k];
-    item.resize(first[keys]);
-    std::vector<std::uint32_t> next(first.begin(), first.end() - 1);
-    for (std::uint32_t i = 0; i < key.size(); ++i)
-        if (key[i] != kNoPlane) item[next[key[i]]++] = i;
-}
-
 // Cotangent of the angle at a in the triangle a b c.
 double cotangent(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c)
 {
@@ -63,24 +47,25 @@ bool try_flip(Patch& patch, FaceId f, std::size_t k, const ShapeLimits& limits)
 
 } // namespace
 
-PatchIndex::PatchIndex(const PlaneMesh& mesh) : mesh_(mesh), chords_(mesh)
+PatchIndex::PatchIndex(const PlaneMesh& mesh)
+    : mesh_(mesh), chords_(mesh), faces_(group_items(mesh.face_plane, mesh.plane.size()))
 {
-    counting_sort(mesh.face_plane, mesh.plane.size(), first_face_, face_);
     std::vector<PlaneId> plane_of(mesh.mesh.position.size(), kNoPlane);
     for (FaceId f = 0; f < mesh.mesh.face.size(); ++f)
         for (const VertexId v : mesh.mesh.face[f])
             if (mesh.vertex_class[v] == VertexClass::Inner) plane_of[v] = mesh.face_plane[f];
-    counting_sort(plane_of, mesh.plane.size(), first_inner_, inner_);
+    inner_ = group_items(plane_of, mesh.plane.size());
     rank_.resize(plane_of.size(), 0);
-    for (std::size_t i = 0; i < inner_.size(); ++i)
-        rank_[inner_[i]] = static_cast<std::uint32_t>(i) - first_inner_[plane_of[inner_[i]]];
+    for (PlaneId p = 0; p < mesh.plane.size(); ++p)
+        for (std::uint32_t i = 0; i < inner_.of(p).size(); ++i)
+            rank_[inner_.of(p)[i]] = i;
 }
 
 Patch PatchIndex::extract(PlaneId p) const
 {
-    const std::span faces(face_.data() + first_face_[p], size(p));
+    const std::span<const FaceId> faces = faces_.of(p);
     const auto is_inner = [&](VertexId v) { return mesh_.vertex_class[v] == VertexClass::Inner; };
-    std::vector<VertexId> global(inner_.begin() + first_inner_[p], inner_.begin() + first_inner_[p + 1]);
+    std::vector<VertexId> global(inner_.of(p).begin(), inner_.of(p).end());
     const auto inner_count = static_cast<VertexId>(global.size());
     for (const FaceId f : faces)
         for (const VertexId v : mesh_.mesh.face[f])

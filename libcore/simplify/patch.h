@@ -1,6 +1,7 @@
 // The faces of one plane as a mesh of its own, so that planes can be simplified in parallel.
 #pragma once
 
+#include "geometry/groups.h"
 #include "simplify/chords.h"
 #include "simplify/collapse_mesh.h"
 
@@ -35,17 +36,14 @@ struct Patch {
 class PatchIndex {
 public:
     explicit PatchIndex(const PlaneMesh& mesh);
-    std::size_t size(PlaneId p) const { return first_face_[p + 1] - first_face_[p]; }
+    std::size_t size(PlaneId p) const { return faces_.of(p).size(); }
     Patch extract(PlaneId p) const;
 
 private:
     const PlaneMesh& mesh_;
     Chords chords_;
-    std::vector<std::uint32_t> first_face_;  // P + 1
-    std::vector<FaceId> face_;               // F, by plane
-    std::vector<std::uint32_t> first_inner_; // P + 1
-    std::vector<VertexId> inner_;            // inner vertices by plane
-    std::vector<std::uint32_t> rank_;        // V
+    Groups faces_, inner_;            // by plane: faces, inner vertices
+    std::vector<std::uint32_t> rank_; // V
 };
 
 // Flips edges inside the plane whose opposite angles add up to more than pi, until none is left or `sweeps` are done.
