@@ -147,6 +147,33 @@ TEST(PlaneFlow, HasTheDerivativeByPosePlaneAndCalibration)
     }
 }
 
+// A point at distance d of the plane glides along it by -d times the tilt: all that the flow leaves out.
+TEST(PlaneFlow, LeavesOutNothingButTheGlideOfPointsOffThePlane)
+{
+    constexpr double kFloatError = 1e-4; // samples are floats
+    const GrayImage image = ramp(64, 48);
+    for (unsigned seed = 0; seed < 20; ++seed) {
+        Random random{std::mt19937(seed)};
+        const AlignmentState state = random_state(random);
+        const CenteredPlane& plane = state.plane[0];
+        const Vector3 on_plane = plane.project(Vector3(0, 0, 2) + random.vector(0.3));
+        const double d = random(-0.05, 0.05);
+        const Vector3 p = on_plane + d * plane.normal;
+        const GraySamples samples = sample(state, image, p);
+        const Rigid color_from_world = state.color.color_from_depth * state.camera_from_world[0];
+        const double x = samples.x[0], y = samples.y[0], gx = samples.by_x[0], gy = samples.by_y[0];
+        const Vector3 by_point = Vector3(gx, gy, -(gx * x + gy * y)) / (color_from_world * on_plane).z();
+        Eigen::VectorXd expected = derivatives(state, samples);
+        expected.segment<2>(6) -=
+            d * state.exposure[0].gain * (color_from_world.linear() * plane.tangents()).transpose() * by_point;
+        const auto gray_after = [&](const Eigen::VectorXd& step) {
+            const AlignmentState after = moved_by(state, step);
+            return ramp_gray(after, after.plane[0], p);
+        };
+        expect_equal(expected, central_differences(18, 1e-5, gray_after), kFloatError);
+    }
+}
+
 TEST(PlaneFlow, HasGradientsThatAreItsTranspose)
 {
     Random random{std::mt19937(11)};
