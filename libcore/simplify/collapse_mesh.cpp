@@ -140,6 +140,20 @@ bool CollapseMesh::folds(VertexId u, VertexId v, const Eigen::Vector3d& p, doubl
     return fan_folds(u, move, folded_cosine) || fan_folds(v, move, folded_cosine);
 }
 
+double CollapseMesh::least_facing(VertexId u, VertexId v, const Eigen::Vector3d& p, const Eigen::Vector3d& normal) const
+{
+    double least = 1.0;
+    for (const VertexId moved : {u, v})
+        for (std::uint32_t c = first_[moved]; c != kEnd; c = next_[c]) {
+            const Face& face = face_[c / 3];
+            const VertexId a = face[(c % 3 + 1) % 3], b = face[(c % 3 + 2) % 3];
+            const VertexId other = moved == u ? v : u;
+            if (a == other || b == other) continue;
+            least = std::min(least, triangle_shape(p, position_[a], position_[b]).normal.dot(normal));
+        }
+    return least;
+}
+
 void CollapseMesh::contract(VertexId kept, VertexId gone)
 {
     for (std::uint32_t c = first_[gone], after = kEnd; c != kEnd; c = after) {

@@ -73,6 +73,9 @@ public:
     // both moved to p, though it does not now?
     bool folds(VertexId u, VertexId v, const Eigen::Vector3d& p, double folded_cosine) const;
 
+    // Cosine of the largest angle between `normal` and a face of u or v, if both moved to p.
+    double least_facing(VertexId u, VertexId v, const Eigen::Vector3d& p, const Eigen::Vector3d& normal) const;
+
     // Moves all faces of `gone` to `kept`; faces with both die.
     void contract(VertexId kept, VertexId gone);
 
@@ -143,8 +146,11 @@ bool CollapseMesh::fan_keeps_shape(VertexId moved, VertexId other, const Eigen::
         if (contains(f, other)) continue;
         const std::uint32_t k = c % 3;
         const Eigen::Vector3d &a = position_[face_[f][(k + 1) % 3]], &b = position_[face_[f][(k + 2) % 3]];
-        if (!acceptable(triangle_shape(p, a, b), triangle_shape(position_[moved], a, b), plane_of(f), limits))
-            return false;
+        const TriangleShape now = triangle_shape(p, a, b);
+        const Plane& plane = plane_of(f);
+        if (now.shape > 0.0 && now.shape >= limits.min_shape && now.normal.dot(plane.normal) >= limits.min_cosine)
+            continue; // whatever it was
+        if (!acceptable(now, triangle_shape(position_[moved], a, b), plane, limits)) return false;
     }
     return true;
 }

@@ -73,6 +73,8 @@ private:
     void sum_quadrics();
     bool contract_all();
     void collect_candidates();
+    void mark_turned();
+    bool folds(VertexId from, VertexId to, const Eigen::Vector3d& x);
     void push(VertexId u, VertexId v);
     void push_around(VertexId v);
     Eigen::Vector3d target(VertexId from, VertexId to) const;
@@ -90,8 +92,9 @@ private:
     std::vector<std::uint32_t> version_; // of a vertex's quadric and faces
     std::priority_queue<InnerContraction, std::vector<InnerContraction>, std::greater<>> heap_;
     std::vector<VertexId> ring_;
-    std::size_t remaining_; // inner vertices
-    std::size_t keep_;      // of them at least
+    std::vector<std::uint8_t> turned_; // one a vertex: can a face at it look away from the plane?
+    std::size_t remaining_;            // inner vertices
+    std::size_t keep_;                 // of them at least
 };
 
 void PatchSimplifier::sum_quadrics()
@@ -112,6 +115,7 @@ void PatchSimplifier::sum_quadrics()
 bool PatchSimplifier::contract_all()
 {
     const std::size_t before = remaining_;
+    mark_turned();
     collect_candidates();
     while (!heap_.empty() && remaining_ > keep_) {
         const InnerContraction best = heap_.top();
@@ -200,13 +204,42 @@ bool PatchSimplifier::legal(VertexId from, VertexId to, const Eigen::Vector3d& x
     if (!mesh_.fan_keeps_shape(from, to, x, limits_, plane_of)) return false;
     if (patch_.inner(to) ? !mesh_.fan_keeps_shape(to, from, x, limits_, plane_of) : !claims_chords(from, to))
         return false;
-    return !mesh_.folds(from, to, x, limits_.folded_cosine);
+    return !folds(from, to, x);
+}
+
+// Contractions turn no face away from the plane that was not before.
+void PatchSimplifier::mark_turned()
+{
+    turned_.assign(mesh_.vertex_count(), 0);
+    for (FaceId f = 0; f < mesh_.face_count(); ++f) {
+        if (!mesh_.alive(f)) continue;
+        const auto& [a, b, c] = mesh_.face(f);
+        const Eigen::Vector3d n = (mesh_.position(b) - mesh_.position(a)).cross(mesh_.position(c) - mesh_.position(a));
+        if (n.dot(patch_.plane.normal) > 0.0) continue;
+        for (const VertexId v : mesh_.face(f))
+            turned_[v] = 1;
+    }
+}
+
+// Faces near the plane's direction fold with none but those that look away from it.
+bool PatchSimplifier::folds(VertexId from, VertexId to, const Eigen::Vector3d& x)
+{
+    const double folded = limits_.folded_cosine, near = std::sqrt(1.0 - folded * folded);
+    bool turned = turned_[from] != 0 || turned_[to] != 0;
+    for (const VertexId v : {from, to}) {
+        mesh_.neighbours(v, ring_);
+        for (const VertexId w : ring_)
+            turned = turned || turned_[w] != 0;
+    }
+    if (!turned && mesh_.least_facing(from, to, x, patch_.plane.normal) > near) return false;
+    return mesh_.folds(from, to, x, folded);
 }
 
 void PatchSimplifier::contract(VertexId from, VertexId to, const Eigen::Vector3d& x)
 {
     --remaining_;
     ++version_[from];
+    turned_[to] |= turned_[from];
     if (patch_.inner(to)) {
         quadric_[to] = quadric_[to] + quadric_[from];
         ++version_[to];

@@ -1,7 +1,9 @@
 #include "simplify/zones.h"
 
+#include "base/parallel.h"
 #include "geometry/union_find.h"
 #include "mesh/adjacency.h"
+#include "simplify/surroundings.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,16 +28,6 @@ struct Zones::Cut {
     double reach = 0.0;       // [m]; 0: it has failed too often
     std::vector<FaceId> all;  // faces of the zone
     std::vector<FaceId> face; // those to take out
-
-    bool takes(const TriangleMesh& mesh, const Plane& plane, FaceId f) const
-    {
-        for (int k = 0; k < 3; ++k)
-            for (const Eigen::Vector3d& knot : failure->knot) {
-                const Eigen::Vector3d offset = corner(mesh, f, k) - knot;
-                if ((offset - plane.normal.dot(offset) * plane.normal).squaredNorm() <= reach * reach) return true;
-            }
-        return false;
-    }
 };
 
 Zones::Zones(PlaneMesh mesh, std::vector<std::uint32_t> opposite)
@@ -182,8 +174,13 @@ std::vector<Zones::Cut> Zones::plan(const std::vector<Failure>& failures, const 
         if (cut_of[zone] == kNone) continue;
         Cut& cut = cuts[cut_of[zone]];
         cut.all.push_back(f);
-        if (cut.reach > 0.0 && cut.takes(mesh_.mesh, mesh_.plane[zone], f)) cut.face.push_back(f);
     }
+    parallel_for(cuts.size(), [&](std::size_t i) {
+        Cut& cut = cuts[i];
+        if (!(cut.reach > 0.0) || cut.failure->knot.empty()) return;
+        const Surroundings near(mesh_.plane[cut.failure->zone], cut.failure->knot, cut.reach);
+        std::ranges::copy_if(cut.all, std::back_inserter(cut.face), [&](FaceId f) { return near.has(mesh_.mesh, f); });
+    });
     return cuts;
 }
 
