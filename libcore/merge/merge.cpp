@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "merge/neighbour_graph.h"
+#include "merge/regularize.h"
 #include "mesh/plane_fit.h"
 
 #include <algorithm>
@@ -192,10 +193,18 @@ void classify_anew(BorderStrip& strip, const std::vector<PlaneId>& id, std::vect
         classes[strip.vertex[v]] = strip_class[v];
 }
 
-PlaneMesh relabelled(PlaneMesh mesh, const NeighbourGraph& graph, BorderStrip strip, const RobustFit& fit)
+std::vector<std::pair<PlaneId, PlaneId>> neighbours(const NeighbourGraph& graph, const std::vector<PlaneId>& id)
 {
-    std::size_t count = 0;
-    const std::vector<PlaneId> id = renumber(mesh, graph.roots(), count);
+    std::vector<std::pair<PlaneId, PlaneId>> pairs;
+    for (PlaneId a = 0; a < graph.size(); ++a)
+        for (const auto& [b, length] : graph.borders(a))
+            if (a < b) pairs.emplace_back(id[a], id[b]);
+    return pairs;
+}
+
+PlaneMesh relabelled(PlaneMesh mesh, const std::vector<PlaneId>& id, std::size_t count, BorderStrip strip,
+                     const RobustFit& fit)
+{
     std::vector<Moments> moments(count);
     for (PlaneId p = 0; p < id.size(); ++p)
         if (id[p] != kNoPlane) moments[id[p]] += mesh.moments[p];
@@ -219,7 +228,10 @@ PlaneMesh merge_planes(PlaneMesh mesh, const MergeParams& params)
     if (params.energy_rule) join_by(energy_rule(graph, params), graph);
     if (params.island_rule) join_by(island_rule(graph, params), graph);
     if (params.absorb_rule) join_by(absorb_rule(graph, params), graph);
-    PlaneMesh result = relabelled(std::move(mesh), graph, std::move(strip), {params.robust_rounds, params.tukey});
+    std::size_t count = 0;
+    const std::vector<PlaneId> id = renumber(mesh, graph.roots(), count);
+    PlaneMesh result = relabelled(std::move(mesh), id, count, std::move(strip), {params.robust_rounds, params.tukey});
+    if (params.regularize) result.plane = regularize(result.plane, result.moments, neighbours(graph, id), params);
     log_info(fmt::format("{} clusters are {} planes", clusters, result.plane.size()));
     return result;
 }

@@ -27,6 +27,12 @@ struct MergeParams {
     double absorb_max_angle = 80.0;
     int robust_rounds = 5;
     double tukey = 4.685;
+    bool regularize = true;
+    double regular_angle = 1.0;
+    double regular_depth = 0.005;
+    double regular_sigmas = 2.0;
+    double regular_reach = 40.0;
+    double regular_area = 0.5;
 
     static constexpr auto list()
     {
@@ -72,6 +78,19 @@ struct MergeParams {
                   "reweightings of the plane fit of joined clusters; 0 = least squares", 0.0, 100.0},
             Param{"tukey", &P::tukey, "",
                   "faces farther from the plane than this many standard deviations do not count", 1.0, 100.0},
+            Param{"regularize", &P::regularize, "",
+                  "turn planes that were probably meant to be parallel or orthogonal to better known ones"},
+            Param{"regular_angle", &P::regular_angle, "deg",
+                  "standard deviation of what was meant to be parallel or orthogonal; less = a stronger prior", 0.01,
+                  45.0},
+            Param{"regular_depth", &P::regular_depth, "m",
+                  "error of a plane across its extent, which tells how well its direction is known", 1e-5, 1.0},
+            Param{"regular_sigmas", &P::regular_sigmas, "",
+                  "planes count as parallel or orthogonal within this many standard deviations of both", 0.0, 10.0},
+            Param{"regular_reach", &P::regular_reach, "deg", "and within this angle", 0.0, 45.0},
+            Param{"regular_area", &P::regular_area, "m^2",
+                  "planes of at least this area give their directions to all others, smaller ones to neighbours", 0.0,
+                  1e3},
         };
     }
 };
@@ -79,9 +98,9 @@ struct MergeParams {
 // Rules run one after the other, each over all pairs of neighbours in the order of their RMS distance, best first, with
 // sums that follow every join: planes (angle and distance; the rules of Wang & Guo 2018), energy (their rule of 2019),
 // islands, tiny clusters. Normals are compared with their sign, so the two sides of a thin sheet stay apart. All faces
-// stay; planes are renumbered in the order of their first face; moments add; planes of joined clusters are fitted anew.
-// Borders are looked for among the vertices whose class is not Inner. Throws InputError when the parts of `mesh` do not
-// fit together.
+// stay; planes are renumbered in the order of their first face; moments add; planes of joined clusters are fitted anew,
+// and in the end regularised. Borders are looked for among the vertices whose class is not Inner. Throws InputError
+// when the parts of `mesh` do not fit together.
 PlaneMesh merge_planes(PlaneMesh mesh, const MergeParams& params);
 
 } // namespace quoin
