@@ -2,6 +2,7 @@
 
 #include "base/log.h"
 #include "simplify/collapse_mesh.h"
+#include "simplify/zero_area.h"
 
 #include <cmath>
 #include <fmt/format.h>
@@ -14,12 +15,9 @@ namespace quoin {
 namespace {
 
 constexpr double kFoldedCosine = -0.5; // between faces on one edge
-constexpr double kZeroHeight = 1e-6;   // [m]
 // How bad a face without area and one that looks away are, in folded edges: the rim of a sheet may be one in the end.
 constexpr int kZeroWeight = 4, kFlippedWeight = 2;
 constexpr int kUnfoldPasses = 8; // few defects are left after two or three
-
-using Triangle = std::array<Eigen::Vector3d, 3>;
 
 // A face of a neighbourhood, as it is or as it would be.
 struct Piece {
@@ -86,6 +84,11 @@ bool shares_edge(const Face& a, const Face& b)
     return shared == 2;
 }
 
+auto flat_count(const Pieces& pieces)
+{
+    return std::ranges::count_if(pieces, [](const Piece& piece) { return !has_area(piece.corner); });
+}
+
 // Defects of the first `inner` pieces and of their edges, weighted.
 int defects(const Pieces& pieces, std::size_t inner, const std::vector<Plane>& planes)
 {
@@ -95,9 +98,8 @@ int defects(const Pieces& pieces, std::size_t inner, const std::vector<Plane>& p
         const Triangle& t = pieces[i].corner;
         const TriangleShape shape = triangle_shape(t[0], t[1], t[2]);
         normal.push_back(shape.normal);
-        const double longest = std::max({(t[1] - t[0]).norm(), (t[2] - t[1]).norm(), (t[0] - t[2]).norm()});
         if (i >= inner) continue;
-        if (shape.shape * longest <= kZeroHeight) count += kZeroWeight;
+        if (!has_area(t)) count += kZeroWeight;
         if (shape.normal.dot(planes[pieces[i].plane].normal) < 0.0) count += kFlippedWeight;
     }
     for (std::size_t i = 0; i < inner; ++i)
@@ -222,9 +224,7 @@ bool Unfolder::is_defective(FaceId f) const
 void Unfolder::give_away_empty_planes()
 {
     for (FaceId f = 0; f < mesh_.face_count(); ++f) {
-        const Triangle t = piece(f).corner;
-        const double longest = std::max({(t[1] - t[0]).norm(), (t[2] - t[1]).norm(), (t[0] - t[2]).norm()});
-        if (triangle_shape(t[0], t[1], t[2]).shape * longest > kZeroHeight) continue;
+        if (has_area(piece(f).corner)) continue;
         const auto neighbours = beside({f});
         PlaneId& plane = planes_.face_plane[f];
         if (!neighbours.empty() && std::none_of(neighbours.begin(), neighbours.end(),
@@ -283,8 +283,9 @@ void Unfolder::try_contraction(VertexId kept, VertexId gone, std::optional<Chang
     const bool pinches = open(kept) && open(gone) && mesh_.faces_on_edge(kept, gone, faces) == 2;
     if (pinches || !mesh_.link_condition(kept, gone) || !keeps_planes(mesh_, planes_.face_plane, kept, gone)) return;
     const auto inner = around({kept, gone});
+    const Eigen::Vector3d middle = 0.5 * (mesh_.position(kept) + mesh_.position(gone));
     for (const Eigen::Vector3d& target :
-         {mesh_.position(kept), Eigen::Vector3d(0.5 * (mesh_.position(kept) + mesh_.position(gone)))}) {
+         {mesh_.position(kept), Eigen::Vector3d(middle.cast<float>().cast<double>())}) { // as they are written
         Pieces after;
         for (const FaceId f : inner) {
             if (mesh_.contains(f, kept) && mesh_.contains(f, gone)) continue;
@@ -340,7 +341,7 @@ void Unfolder::consider(Change change, const std::vector<FaceId>& inner, const P
     const Pieces before = pieces(inner);
     change.defects = defects(with_outer(after), after.size(), planes_.plane) -
                      defects(with_outer(before), before.size(), planes_.plane);
-    if (change.defects >= 0 || after.empty()) return;
+    if (change.defects >= 0 || after.empty() || flat_count(after) > flat_count(before)) return;
     change.error = farthest(before, with_outer(after), params_.max_fold_error);
     if (change.error > params_.max_fold_error) return;
     change.error = std::max(change.error, farthest(after, before, params_.max_fold_error));
