@@ -5,6 +5,7 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "mesh/adjacency.h"
+#include "mesh/extent.h"
 #include "mesh/plane_fit.h"
 #include "partition/cluster_graph.h"
 #include "partition/grow_regions.h"
@@ -157,7 +158,9 @@ PlaneMesh with_planes(TriangleMesh mesh, std::vector<PlaneId> face_plane, const 
 
 PlaneMesh partition(TriangleMesh mesh, const PartitionParams& params)
 {
-    const MergeLimits limits = limits_of(require_partitionable(mesh), params);
+    const Eigen::AlignedBox3f box = require_partitionable(mesh);
+    warn_about_extent(box, params.plausible_extent);
+    const MergeLimits limits = limits_of(box, params);
     const auto opposite = opposite_half_edges(mesh);
     std::vector<PlaneId> face_plane = grow_clusters(mesh, opposite, limits, params);
     refine(mesh, opposite, limits, params, face_plane);
