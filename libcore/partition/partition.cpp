@@ -6,6 +6,7 @@
 #include "base/progress.h"
 #include "mesh/adjacency.h"
 #include "mesh/extent.h"
+#include "mesh/invariants.h"
 #include "mesh/plane_fit.h"
 #include "partition/cluster_graph.h"
 #include "partition/grow_regions.h"
@@ -15,6 +16,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
@@ -166,6 +168,7 @@ PlaneMesh partition(TriangleMesh mesh, const PartitionParams& params)
     refine(mesh, opposite, limits, params, face_plane);
     PlaneMesh result =
         with_planes(std::move(mesh), std::move(face_plane), opposite, {params.robust_rounds, params.tukey});
+    assert(broken_promise_of_planes(result).empty());
     log_info(fmt::format("{} faces in {} clusters", result.mesh.face.size(), result.plane.size()));
     return result;
 }

@@ -3,6 +3,7 @@
 #include "artifact/artifact.h"
 #include "build_paths.h"
 #include "mesh/hygiene.h"
+#include "mesh/invariants.h"
 #include "schema/schema.h"
 #include "simplify/simplify.h"
 #include "support/command.h"
@@ -55,6 +56,8 @@ protected:
         const CommandResult partitioned = partition(mesh), merged = merge();
         EXPECT_EQ(partitioned.exit_code, 0) << partitioned.output;
         EXPECT_EQ(merged.exit_code, 0) << merged.output;
+        for (const char* name : {"partitioned", "merged"})
+            EXPECT_EQ(broken_promise_of_planes(read_plane_mesh(folder_ / name)), "") << name;
         for (const std::size_t i : {0u, 1u}) {
             const std::string method = i == 0 ? "remesh" : "qem";
             const CommandResult simplified = simplify("--set method=" + method);
@@ -68,16 +71,10 @@ protected:
 
     static void expect_sound(const PlaneMesh& mesh, const std::string& method)
     {
+        EXPECT_EQ(broken_promise_of_light_mesh(mesh), "") << method;
         const Hygiene found = inspect(mesh);
-        EXPECT_EQ(found.non_manifold_edges, 0u) << method;
-        EXPECT_EQ(found.duplicate_faces, 0u) << method;
-        EXPECT_EQ(found.bow_tie_vertices, 0u) << method;
         EXPECT_EQ(found.folded_pairs, 0u) << method;
         EXPECT_EQ(found.zero_area_faces, 0u) << method;
-        EXPECT_EQ(found.isolated_vertices, 0u) << method;
-        EXPECT_EQ(found.flipped_faces, 0u) << method;
-        EXPECT_EQ(found.disconnected_planes, 0u) << method;
-        EXPECT_EQ(found.empty_planes, 0u) << method;
         EXPECT_TRUE(std::ranges::all_of(mesh.mesh.position, [](const auto& p) { return p.allFinite(); })) << method;
     }
 
