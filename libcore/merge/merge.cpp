@@ -5,9 +5,11 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "merge/neighbour_graph.h"
+#include "mesh/invariants.h"
 #include "mesh/plane_fit.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <fmt/format.h>
 #include <functional>
@@ -220,6 +222,7 @@ PlaneMesh merge_planes(PlaneMesh mesh, const MergeParams& params)
     if (params.island_rule) join_by(island_rule(graph, params), graph);
     if (params.absorb_rule) join_by(absorb_rule(graph, params), graph);
     PlaneMesh result = relabelled(std::move(mesh), graph, std::move(strip), {params.robust_rounds, params.tukey});
+    assert(broken_promise_of_planes(result).empty());
     log_info(fmt::format("{} clusters are {} planes", clusters, result.plane.size()));
     return result;
 }
