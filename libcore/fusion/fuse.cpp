@@ -9,6 +9,7 @@
 #include "fusion/integrate.h"
 #include "fusion/voxel_grid.h"
 #include "mesh/cleanup.h"
+#include "mesh/extent.h"
 #include "mesh/ply.h"
 
 #include <algorithm>
@@ -111,16 +112,12 @@ VoxelGrid integrate_frames(const Scan& scan, const FrameSource& source, const st
     return grid;
 }
 
-void warn_about_extent(const TriangleMesh& mesh, const FuseParams& params)
+Eigen::AlignedBox3f extent(const TriangleMesh& mesh)
 {
     Eigen::AlignedBox3f box;
     for (const auto& p : mesh.position)
         box.extend(p);
-    const Eigen::Vector3f size = box.sizes();
-    if (static_cast<double>(size.maxCoeff()) <= params.plausible_extent) return;
-    log_warning(
-        fmt::format("The mesh is {:.1f} x {:.1f} x {:.1f} m large: check the depth unit and the poses of the scan.",
-                    size.x(), size.y(), size.z()));
+    return box;
 }
 
 void report_cleanup(const std::string& what, const TriangleMesh& mesh, const RemovedComponents& removed)
@@ -149,7 +146,7 @@ TriangleMesh read_dense_mesh(const ScanImages& images, const FuseParams& params)
                     file.name, report.non_finite_vertices, report.welded_vertices, report.split_vertices,
                     report.isolated_vertices, report.degenerate_faces, report.duplicate_faces));
     report_cleanup(file.name, mesh, report.small);
-    warn_about_extent(mesh, params);
+    warn_about_extent(extent(mesh), params.plausible_extent);
     return require_surface(std::move(mesh),
                            file.name + " has no piece as large as min_component_faces and min_component_area ask for");
 }
@@ -166,7 +163,7 @@ TriangleMesh fuse_frames(const Scan& scan, const FrameSource& source, const Fuse
     split_touching_fans(mesh);
     remove_isolated_vertices(mesh);
     report_cleanup(fmt::format("{} frames, {} blocks of voxels", frames.size(), grid.size()), mesh, removed);
-    warn_about_extent(mesh, params);
+    warn_about_extent(extent(mesh), params.plausible_extent);
     return require_surface(std::move(mesh),
                            fmt::format("{} frames were fused; check the depth unit of the scan against min_depth {} m "
                                        "and max_depth {} m, or lower min_weight {}",

@@ -6,9 +6,11 @@
 #include "base/progress.h"
 #include "merge/neighbour_graph.h"
 #include "merge/regularize.h"
+#include "mesh/invariants.h"
 #include "mesh/plane_fit.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <fmt/format.h>
 #include <functional>
@@ -232,6 +234,7 @@ PlaneMesh merge_planes(PlaneMesh mesh, const MergeParams& params)
     const std::vector<PlaneId> id = renumber(mesh, graph.roots(), count);
     PlaneMesh result = relabelled(std::move(mesh), id, count, std::move(strip), {params.robust_rounds, params.tukey});
     if (params.regularize) result.plane = regularize(result.plane, result.moments, neighbours(graph, id), params);
+    assert(broken_promise_of_planes(result).empty());
     log_info(fmt::format("{} clusters are {} planes", clusters, result.plane.size()));
     return result;
 }

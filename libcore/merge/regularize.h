@@ -3,6 +3,7 @@
 
 #include "merge/merge.h"
 
+#include <array>
 #include <span>
 #include <utility>
 

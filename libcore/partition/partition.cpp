@@ -5,6 +5,8 @@
 #include "base/parallel.h"
 #include "base/progress.h"
 #include "mesh/adjacency.h"
+#include "mesh/extent.h"
+#include "mesh/invariants.h"
 #include "mesh/plane_fit.h"
 #include "partition/cluster_graph.h"
 #include "partition/grow_regions.h"
@@ -14,6 +16,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <fmt/format.h>
 #include <numbers>
@@ -157,12 +160,15 @@ PlaneMesh with_planes(TriangleMesh mesh, std::vector<PlaneId> face_plane, const 
 
 PlaneMesh partition(TriangleMesh mesh, const PartitionParams& params)
 {
-    const MergeLimits limits = limits_of(require_partitionable(mesh), params);
+    const Eigen::AlignedBox3f box = require_partitionable(mesh);
+    warn_about_extent(box, params.plausible_extent);
+    const MergeLimits limits = limits_of(box, params);
     const auto opposite = opposite_half_edges(mesh);
     std::vector<PlaneId> face_plane = grow_clusters(mesh, opposite, limits, params);
     refine(mesh, opposite, limits, params, face_plane);
     PlaneMesh result =
         with_planes(std::move(mesh), std::move(face_plane), opposite, {params.robust_rounds, params.tukey});
+    assert(broken_promise_of_planes(result).empty());
     log_info(fmt::format("{} faces in {} clusters", result.mesh.face.size(), result.plane.size()));
     return result;
 }

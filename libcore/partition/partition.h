@@ -25,6 +25,7 @@ struct PartitionParams {
     double border_distance = 0.003;
     int robust_rounds = 5;
     double tukey = 4.685;
+    double plausible_extent = 100.0;
 
     static constexpr auto list()
     {
@@ -61,6 +62,9 @@ struct PartitionParams {
                   100.0},
             Param{"tukey", &P::tukey, "",
                   "faces farther from the plane than this many standard deviations do not count", 1.0, 100.0},
+            Param{"plausible_extent", &P::plausible_extent, "m",
+                  "a larger mesh is warned about: it may be in millimetres", 1.0, 1e6,
+                  ParamFlags{.affects_result = false}},
         };
     }
 };

@@ -30,7 +30,7 @@ struct StageDescription {
     bool reads_images = false;     // takes --scan-root
     std::vector<std::string> code; // of a foreign program: further files that it is made of, beside it
     int cores = 0;                 // that it can use; 0 = any number
-    std::string memory_formula;    // of input size (formula.h); "" = not declared
+    std::string memory_formula;    // of input size (base/formula.h); "" = not declared
 };
 
 // A stage executable and its description. A foreign program is run by another one (run-command), which is told by its

@@ -3,6 +3,8 @@
 #include "schema/mesh_tensors.h"
 #include "schema/schema.h"
 
+#include <fmt/format.h>
+
 namespace quoin {
 
 void add_mesh_tensors(Artifact& artifact, const TriangleMesh& mesh)
@@ -19,8 +21,9 @@ TriangleMesh read_mesh_tensors(const TensorReader& reader)
     mesh.position = reader.array<float, Eigen::Vector3f>("position", {kAny, 3});
     mesh.face = reader.array<std::uint32_t, Face>("face", {kAny, 3});
     const std::size_t count = mesh.position.size();
-    for (const auto& position : mesh.position)
-        if (!position.allFinite()) reader.refuse("position", "holds a vertex that is not finite");
+    for (std::size_t v = 0; v < count; ++v)
+        if (const auto& p = mesh.position[v]; !p.allFinite())
+            reader.refuse("position", fmt::format("vertex {} at ({}, {}, {}) is not finite", v, p.x(), p.y(), p.z()));
     if (!mesh.face.empty()) reader.check_indices("face", mesh.face[0].data(), 3 * mesh.face.size(), count);
     if (reader.has("color")) mesh.color = reader.array<std::uint8_t, Rgb8>("color", {count, 3});
     if (reader.has("normal")) mesh.normal = reader.array<float, Eigen::Vector3f>("normal", {count, 3});

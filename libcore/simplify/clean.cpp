@@ -4,8 +4,10 @@
 #include "mesh/adjacency.h"
 #include "mesh/cleanup.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <tuple>
 
 namespace quoin {
@@ -122,13 +124,56 @@ private:
         std::sort(crowded.begin(), crowded.end(), [](const CrowdedUse& a, const CrowdedUse& b) {
             return std::tie(a.low, a.high, a.plane, a.half_edge) < std::tie(b.low, b.high, b.plane, b.half_edge);
         });
-        for (std::size_t i = 0; i + 1 < crowded.size(); ++i) {
-            const CrowdedUse &a = crowded[i], &b = crowded[i + 1];
-            if (a.low != b.low || a.high != b.high || a.plane != b.plane || a.upwards == b.upwards) continue;
-            join(a.half_edge, b.half_edge);
-            ++i;
+        for (std::size_t begin = 0, end = 0; begin < crowded.size(); begin = end) {
+            while (end < crowded.size() && crowded[end].low == crowded[begin].low &&
+                   crowded[end].high == crowded[begin].high)
+                ++end;
+            join_pairs(std::span(crowded).subspan(begin, end - begin));
         }
     }
+
+    // Of the faces on one edge, those of one plane; then those around one inside, which begins behind a face that runs
+    // down the edge and, turning about that, ends behind the next one that runs up.
+    void join_pairs(std::span<const CrowdedUse> uses)
+    {
+        std::vector<std::size_t> left;
+        for (std::size_t i = 0; i < uses.size(); ++i) {
+            const bool pair =
+                i + 1 < uses.size() && uses[i].plane == uses[i + 1].plane && uses[i].upwards != uses[i + 1].upwards;
+            if (!pair)
+                left.push_back(i);
+            else
+                join(uses[i].half_edge, uses[i + 1].half_edge);
+            i += pair ? 1 : 0;
+        }
+        sort_around_edge(uses, left);
+        std::vector<std::size_t> begun;
+        std::vector<std::uint8_t> joined(uses.size(), 0);
+        for (const int turn : {0, 1})
+            for (const std::size_t i : left) {
+                if (!uses[i].upwards) {
+                    if (turn == 0) begun.push_back(i);
+                } else if (!joined[i] && !begun.empty()) {
+                    joined[i] = 1;
+                    join(uses[begun.back()].half_edge, uses[i].half_edge);
+                    begun.pop_back();
+                }
+            }
+    }
+
+    void sort_around_edge(std::span<const CrowdedUse> uses, std::vector<std::size_t>& which) const
+    {
+        const Eigen::Vector3d origin = position(uses[0].low), along = (position(uses[0].high) - origin).normalized(),
+                              x = along.unitOrthogonal(), y = along.cross(x);
+        std::vector<double> angle;
+        for (const CrowdedUse& use : uses) {
+            const Eigen::Vector3d apex = corner(mesh_.mesh, use.half_edge / 3, (use.half_edge % 3 + 2) % 3);
+            angle.push_back(std::atan2(y.dot(apex - origin), x.dot(apex - origin)));
+        }
+        std::ranges::stable_sort(which, {}, [&](std::size_t i) { return angle[i]; });
+    }
+
+    Eigen::Vector3d position(VertexId v) const { return mesh_.mesh.position[v].cast<double>(); }
 
     CrowdedUse use_of(std::uint32_t h) const
     {

@@ -1,6 +1,7 @@
 #include "simplify/knots.h"
 
 #include "mesh/adjacency.h"
+#include "simplify/zero_area.h"
 
 #include <algorithm>
 
@@ -38,8 +39,37 @@ std::vector<std::uint32_t> segments_aside(const Outline& outline, const std::vec
     return found;
 }
 
+std::vector<std::uint32_t> segments_without_room(const PlaneOutline& plane,
+                                                 const std::vector<Eigen::Vector3d>& position,
+                                                 const std::vector<Face>& faces)
+{
+    std::vector<std::array<std::uint32_t, 2>> edges; // of faces without area, both ways
+    std::vector<std::uint32_t> apexes;               // opposite their longest edges
+    for (const Face& face : faces) {
+        Triangle t;
+        for (std::size_t k = 0; k < 3; ++k)
+            t[k] = position[plane.vertex[face[k]]].cast<float>().cast<double>(); // as it is written
+        if (has_area(t)) continue;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t a = face[k], b = face[(k + 1) % 3];
+            edges.insert(edges.end(), {{a, b}, {b, a}});
+            if ((t[(k + 1) % 3] - t[k]).norm() == longest_edge(t)) apexes.push_back(face[(k + 2) % 3]);
+        }
+    }
+    const auto contains = [](const auto& list, const auto& item) {
+        return std::ranges::find(list, item) != list.end();
+    };
+    std::vector<std::uint32_t> found;
+    for (std::uint32_t s = 0; s < plane.outline.segment.size() && !edges.empty(); ++s) {
+        const auto& segment = plane.outline.segment[s];
+        if (contains(edges, segment) || contains(apexes, segment[0]) || contains(apexes, segment[1]))
+            found.push_back(s);
+    }
+    return found;
+}
+
 std::vector<Eigen::Vector3d> find_knots(const PlaneOutline& plane, const std::vector<Eigen::Vector3d>& position,
-                                        const std::vector<std::uint32_t>& aside)
+                                        const std::vector<std::uint32_t>& spoilt)
 {
     std::vector<Eigen::Vector3d> knots;
     const auto on_segment = [&](std::uint32_t i, double t) {
@@ -49,7 +79,7 @@ std::vector<Eigen::Vector3d> find_knots(const PlaneOutline& plane, const std::ve
     for (const auto& [i, j] : crossings(plane.outline))
         knots.push_back(on_segment(i, crossing_parameter(plane.outline, i, j)));
     if (!knots.empty()) return knots;
-    for (const std::uint32_t i : aside.empty() ? contradictions(plane.outline) : aside)
+    for (const std::uint32_t i : spoilt.empty() ? contradictions(plane.outline) : spoilt)
         for (const double t : {0.0, 0.5, 1.0})
             knots.push_back(on_segment(i, t));
     return knots;

@@ -14,8 +14,8 @@ namespace quoin {
 namespace {
 
 // What becomes of the errors [times those of the parameters] of borders that cross, step by step. Small errors keep
-// close to the dense border, which crosses where it was moved onto planes: from kReleased on it is put back. What
-// crosses even then is a knot of the dense border itself, to be jumped over.
+// close to the dense border, which crosses, or lies on one line, where it was moved onto planes: from kReleased on it
+// is put back. What crosses even then is a knot of the dense border itself, to be jumped over.
 constexpr std::array<float, 6> kTolerances{1.0f, 0.4f, 0.15f, 0.05f, 0.0f, 4.0f};
 constexpr std::uint8_t kReleased = 3;
 constexpr std::size_t kPlaneGrain = 8; // [planes]
@@ -233,23 +233,28 @@ void Remesher::restore(CurveId id)
         position_[curves_.vertex[s]] = curves_.point[s];
 }
 
-// Borders that cross or, where none do, contradict each other.
-std::vector<PlaneOutline::Source> Remesher::bad_segments(const PlaneOutline& plane)
+// Borders that cross or, where none do, contradict each other or, where they agree, leave no room for a face.
+std::vector<Remesher::BadSegment> Remesher::bad_segments(const PlaneOutline& plane) const
 {
-    std::vector<PlaneOutline::Source> bad;
+    std::vector<BadSegment> bad;
     for (const auto& pair : crossings(plane.outline))
         for (const std::uint32_t i : pair)
-            bad.push_back(plane.source[i]);
+            bad.push_back({plane.source[i]});
     if (!bad.empty()) return bad;
-    for (const std::uint32_t i : contradictions(plane.outline))
-        bad.push_back(plane.source[i]);
+    const auto faces = triangulate(plane.outline);
+    if (!faces)
+        for (const std::uint32_t i : contradictions(plane.outline))
+            bad.push_back({plane.source[i]});
+    else // only what moved the border onto one line takes the room
+        for (const std::uint32_t i : segments_without_room(plane, position_, *faces))
+            bad.push_back({plane.source[i], kReleased});
     return bad;
 }
 
 // Takes the next step where borders of changed planes are bad. Is there one?
 bool Remesher::tighten(const Outlines& outlines, const Flags& changed)
 {
-    std::vector<std::vector<PlaneOutline::Source>> bad(flat_.size());
+    std::vector<std::vector<BadSegment>> bad(flat_.size());
     parallel_for(
         flat_.size(),
         [&](std::size_t p) {
@@ -258,14 +263,15 @@ bool Remesher::tighten(const Outlines& outlines, const Flags& changed)
             bad[p] = bad_segments(plane);
         },
         kPlaneGrain);
-    for (const auto& sources : bad)
-        for (const auto& source : sources)
-            tighten_segment(source);
+    for (const auto& segments : bad)
+        for (const auto& segment : segments)
+            tighten_segment(segment);
     return std::count(dirty_.begin(), dirty_.end(), 1) > 0;
 }
 
-void Remesher::tighten_segment(const PlaneOutline::Source& source)
+void Remesher::tighten_segment(const BadSegment& bad)
 {
+    const auto& [source, least_step] = bad;
     const Curve& curve = curves_.curve[source.curve];
     if (fixed_[source.curve] || filled_[source.curve]) return;
     if (step_[source.from] + 1u == kTolerances.size() && is_hole(source.curve)) {
@@ -274,8 +280,9 @@ void Remesher::tighten_segment(const PlaneOutline::Source& source)
     }
     for (std::uint32_t s = source.from;; s = curves_.after(curve, s)) {
         if (step_[s] + 1u < kTolerances.size()) {
-            bounds_.tolerance[s] = kTolerances[++step_[s]];
-            if (step_[s] == kReleased) release(s);
+            const auto next = std::max<std::uint8_t>(least_step, step_[s] + 1);
+            if (step_[s] < kReleased && next >= kReleased) release(s);
+            bounds_.tolerance[s] = kTolerances[step_[s] = next];
             dirty_[source.curve] = 1;
         }
         if (s == source.to) return;
@@ -319,9 +326,10 @@ void Remesher::triangulate_plane(const Outlines& outlines, PlaneId p)
     if (outlines.curves_of(p).empty()) return; // a closed surface
     const PlaneOutline plane = outlines.of(p, position_);
     const auto faces = triangulate(plane.outline);
-    const auto aside = faces ? segments_aside(plane.outline, *faces) : std::vector<std::uint32_t>();
-    if (!faces || faces->empty() || !aside.empty()) {
-        knots_[p] = find_knots(plane, position_, aside);
+    auto spoilt = faces ? segments_aside(plane.outline, *faces) : std::vector<std::uint32_t>();
+    if (faces && spoilt.empty()) spoilt = segments_without_room(plane, position_, *faces);
+    if (!faces || faces->empty() || !spoilt.empty()) {
+        knots_[p] = find_knots(plane, position_, spoilt);
         return;
     }
     failed_[p] = 0;

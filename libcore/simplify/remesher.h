@@ -28,6 +28,10 @@ public:
 private:
     using Flags = std::vector<std::uint8_t>;
     using Edges = std::vector<std::array<VertexId, 2>>;
+    struct BadSegment {
+        PlaneOutline::Source source;
+        std::uint8_t least_step = 0; // that is to be taken
+    };
 
     void hold_settled(const Settled& settled);
     void straighten(const Settled& settled);
@@ -42,9 +46,9 @@ private:
     double length(const Curve& curve) const;
     void thin_free_curves();
     void restore(CurveId id);
-    static std::vector<PlaneOutline::Source> bad_segments(const PlaneOutline& plane);
+    std::vector<BadSegment> bad_segments(const PlaneOutline& plane) const;
     bool tighten(const Outlines& outlines, const Flags& changed);
-    void tighten_segment(const PlaneOutline::Source& source);
+    void tighten_segment(const BadSegment& bad);
     void release(std::uint32_t slot);
     void triangulate_planes();
     void triangulate_plane(const Outlines& outlines, PlaneId p);

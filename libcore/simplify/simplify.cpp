@@ -2,12 +2,14 @@
 
 #include "base/error.h"
 #include "base/log.h"
+#include "mesh/invariants.h"
 #include "simplify/clean.h"
 #include "simplify/contract.h"
 #include "simplify/remesh.h"
 #include "simplify/snap.h"
 #include "simplify/unfold.h"
 
+#include <cassert>
 #include <fmt/format.h>
 
 namespace quoin {
@@ -70,6 +72,7 @@ PlaneMesh simplify(PlaneMesh mesh, const SimplifyParams& params)
     finish(result, params, PlaneParts::Joined);
     unfold(result, params);
     finish(result, params, PlaneParts::OneSided);
+    assert(broken_promise_of_light_mesh(result).empty());
     log_info(
         fmt::format("{} faces in {} planes are left of {}", result.mesh.face.size(), result.plane.size(), dense_faces));
     return result;

@@ -2,6 +2,7 @@
 
 #include "base/log.h"
 #include "simplify/collapse_mesh.h"
+#include "simplify/zero_area.h"
 
 #include <cmath>
 #include <fmt/format.h>
@@ -14,12 +15,9 @@ namespace quoin {
 namespace {
 
 constexpr double kFoldedCosine = -0.5; // between faces on one edge
-constexpr double kZeroHeight = 1e-6;   // [m]
 // How bad a face without area and one that looks away are, in folded edges: the rim of a sheet may be one in the end.
 constexpr int kZeroWeight = 4, kFlippedWeight = 2;
 constexpr int kUnfoldPasses = 8; // few defects are left after two or three
-
-using Triangle = std::array<Eigen::Vector3d, 3>;
 
 // A face of a neighbourhood, as it is or as it would be.
 struct Piece {
@@ -86,6 +84,26 @@ bool shares_edge(const Face& a, const Face& b)
     return shared == 2;
 }
 
+// Of faces that share an edge: do they run along it the same way, as where a patch of the mesh is turned over?
+bool runs_same_way(const Face& a, const Face& b)
+{
+    for (std::size_t k = 0; k < 3; ++k)
+        for (std::size_t j = 0; j < 3; ++j)
+            if (a[k] == b[j] && a[(k + 1) % 3] == b[(j + 1) % 3]) return true;
+    return false;
+}
+
+bool is_folded(const Piece& a, const Piece& b, double cosine)
+{
+    if (std::abs(cosine) <= -kFoldedCosine || !shares_edge(a.vertex, b.vertex)) return false;
+    return (runs_same_way(a.vertex, b.vertex) ? -cosine : cosine) < kFoldedCosine;
+}
+
+auto flat_count(const Pieces& pieces)
+{
+    return std::ranges::count_if(pieces, [](const Piece& piece) { return !has_area(piece.corner); });
+}
+
 // Defects of the first `inner` pieces and of their edges, weighted.
 int defects(const Pieces& pieces, std::size_t inner, const std::vector<Plane>& planes)
 {
@@ -95,14 +113,13 @@ int defects(const Pieces& pieces, std::size_t inner, const std::vector<Plane>& p
         const Triangle& t = pieces[i].corner;
         const TriangleShape shape = triangle_shape(t[0], t[1], t[2]);
         normal.push_back(shape.normal);
-        const double longest = std::max({(t[1] - t[0]).norm(), (t[2] - t[1]).norm(), (t[0] - t[2]).norm()});
         if (i >= inner) continue;
-        if (shape.shape * longest <= kZeroHeight) count += kZeroWeight;
+        if (!has_area(t)) count += kZeroWeight;
         if (shape.normal.dot(planes[pieces[i].plane].normal) < 0.0) count += kFlippedWeight;
     }
     for (std::size_t i = 0; i < inner; ++i)
         for (std::size_t j = i + 1; j < pieces.size(); ++j)
-            if (normal[i].dot(normal[j]) < kFoldedCosine && shares_edge(pieces[i].vertex, pieces[j].vertex)) ++count;
+            if (is_folded(pieces[i], pieces[j], normal[i].dot(normal[j]))) ++count;
     return count;
 }
 
@@ -133,7 +150,6 @@ public:
 
     std::size_t run()
     {
-        give_away_empty_planes();
         std::size_t changes = 0;
         for (int pass = 0; pass < kUnfoldPasses; ++pass) {
             const std::size_t before = changes;
@@ -159,8 +175,8 @@ private:
     std::vector<FaceId> beside(const std::vector<FaceId>& inner) const;
     Pieces pieces(const std::vector<FaceId>& faces) const;
     bool is_defective(FaceId f) const;
-    void give_away_empty_planes();
     bool improve(FaceId f);
+    bool may_lose_faces_between(VertexId kept, VertexId gone);
     void try_contraction(VertexId kept, VertexId gone, std::optional<Change>& best);
     void try_flip(FaceId f, VertexId a, VertexId b, std::optional<Change>& best) const;
     void try_other_planes(FaceId f, std::optional<Change>& best) const;
@@ -218,21 +234,6 @@ bool Unfolder::is_defective(FaceId f) const
     return defects(all, 1, planes_.plane) > 0;
 }
 
-// A face without area that is all of its plane could not be contracted: the plane would lose it.
-void Unfolder::give_away_empty_planes()
-{
-    for (FaceId f = 0; f < mesh_.face_count(); ++f) {
-        const Triangle t = piece(f).corner;
-        const double longest = std::max({(t[1] - t[0]).norm(), (t[2] - t[1]).norm(), (t[0] - t[2]).norm()});
-        if (triangle_shape(t[0], t[1], t[2]).shape * longest > kZeroHeight) continue;
-        const auto neighbours = beside({f});
-        PlaneId& plane = planes_.face_plane[f];
-        if (!neighbours.empty() && std::none_of(neighbours.begin(), neighbours.end(),
-                                                [&](FaceId g) { return planes_.face_plane[g] == plane; }))
-            plane = planes_.face_plane[neighbours[0]];
-    }
-}
-
 // Applies the change of the face's or its neighbours' edges that gains most. Is there one?
 bool Unfolder::improve(FaceId f)
 {
@@ -277,14 +278,34 @@ void Unfolder::apply(const Change& change)
     }
 }
 
+// Do planes stay in one piece, and keep a face, when the edge is contracted? All but those of a single bad face.
+bool Unfolder::may_lose_faces_between(VertexId kept, VertexId gone)
+{
+    if (keeps_planes(mesh_, planes_.face_plane, kept, gone)) return true;
+    std::array<FaceId, 2> faces{};
+    const int count = mesh_.faces_on_edge(kept, gone, faces);
+    for (int i = 0; i < count; ++i) {
+        const auto neighbours = beside({faces[i]});
+        PlaneId& plane = planes_.face_plane[faces[i]];
+        const auto in_plane = [&](FaceId g) { return planes_.face_plane[g] == plane; };
+        if (neighbours.empty() || std::ranges::any_of(neighbours, in_plane) || !is_defective(faces[i])) continue;
+        const PlaneId own = std::exchange(plane, planes_.face_plane[neighbours[0]]); // as if it were given away
+        const bool keeps = keeps_planes(mesh_, planes_.face_plane, kept, gone);
+        plane = own;
+        if (keeps) return true;
+    }
+    return false;
+}
+
 void Unfolder::try_contraction(VertexId kept, VertexId gone, std::optional<Change>& best)
 {
     std::array<FaceId, 2> faces{};
     const bool pinches = open(kept) && open(gone) && mesh_.faces_on_edge(kept, gone, faces) == 2;
-    if (pinches || !mesh_.link_condition(kept, gone) || !keeps_planes(mesh_, planes_.face_plane, kept, gone)) return;
+    if (pinches || !mesh_.link_condition(kept, gone) || !may_lose_faces_between(kept, gone)) return;
     const auto inner = around({kept, gone});
+    const Eigen::Vector3d middle = 0.5 * (mesh_.position(kept) + mesh_.position(gone));
     for (const Eigen::Vector3d& target :
-         {mesh_.position(kept), Eigen::Vector3d(0.5 * (mesh_.position(kept) + mesh_.position(gone)))}) {
+         {mesh_.position(kept), Eigen::Vector3d(middle.cast<float>().cast<double>())}) { // as they are written
         Pieces after;
         for (const FaceId f : inner) {
             if (mesh_.contains(f, kept) && mesh_.contains(f, gone)) continue;
@@ -340,7 +361,7 @@ void Unfolder::consider(Change change, const std::vector<FaceId>& inner, const P
     const Pieces before = pieces(inner);
     change.defects = defects(with_outer(after), after.size(), planes_.plane) -
                      defects(with_outer(before), before.size(), planes_.plane);
-    if (change.defects >= 0 || after.empty()) return;
+    if (change.defects >= 0 || after.empty() || flat_count(after) > flat_count(before)) return;
     change.error = farthest(before, with_outer(after), params_.max_fold_error);
     if (change.error > params_.max_fold_error) return;
     change.error = std::max(change.error, farthest(after, before, params_.max_fold_error));

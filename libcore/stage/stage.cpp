@@ -6,6 +6,7 @@
 #include "base/durable_file.h"
 #include "base/error.h"
 #include "base/fail_point.h"
+#include "base/formula.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/parallel.h"
@@ -20,10 +21,12 @@
 #include "store/store.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <fmt/format.h>
 #include <new>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sys/resource.h>
 
 namespace quoin {
@@ -213,6 +216,38 @@ void run(const Stage& stage, const std::vector<ParamSpec>& specs, const CommandL
     if (!serve_from_store(state)) compute(state, body);
 }
 
+// What the stage declares for inputs of this size [bytes]; none where that depends on more.
+std::optional<double> declared_memory(const Stage& stage, const CommandLine& line)
+{
+    if (stage.resources.memory.empty()) return std::nullopt;
+    const auto bytes = [&](const std::string& port) -> std::optional<double> {
+        const auto input = line.inputs.find(port);
+        if (input == line.inputs.end()) return 0.0;
+        std::error_code error;
+        const auto size = fs::file_size(input->second, error);
+        return error ? std::nullopt : std::optional(static_cast<double>(size));
+    };
+    return evaluate_formula(stage.resources.memory,
+                            {.bytes = bytes, .value = [](const std::string&) { return std::optional<double>(); }});
+}
+
+std::string size_text(double bytes) // as --memory takes it
+{
+    constexpr double kMega = 1 << 20;
+    return fmt::format("{:.0f}M", std::ceil(bytes / kMega));
+}
+
+std::string out_of_memory(const Stage& stage, const std::optional<CommandLine>& line)
+{
+    const bool is_limited = line && line->memory > 0;
+    std::string message = "out of memory";
+    if (is_limited) message += fmt::format(" with --memory {}", size_text(static_cast<double>(line->memory)));
+    if (const auto need = line ? declared_memory(stage, *line) : std::nullopt)
+        message += fmt::format("; inputs of this size take about {}", size_text(*need));
+    return message + (is_limited ? "; give it more, or make the input smaller"
+                                 : "; run it where more is free, or make the input smaller");
+}
+
 int report(const std::string& stage, ExitCode code, const std::string& message)
 {
     remove_unfinished_files();
@@ -270,21 +305,21 @@ void StageRun::write_folder(const std::string& port, const std::function<void(co
 
 int run_stage(const Stage& stage, const std::vector<ParamSpec>& params, int argc, char** argv, const StageBody& body)
 {
+    std::optional<CommandLine> line;
     try {
         handle_signals();
-        const CommandLine line = parse_command_line(stage, params, argc, argv);
-        if (line.help)
+        line = parse_command_line(stage, params, argc, argv);
+        if (line->help)
             fmt::print("{}", help_text(stage, params));
-        else if (line.describe)
+        else if (line->describe)
             fmt::print("{}\n", describe_json(stage, params));
         else
-            run(stage, params, line, body);
+            run(stage, params, *line, body);
         return static_cast<int>(ExitCode::Done);
     } catch (const Error& error) {
         return report(stage.name, error.code(), error.what());
     } catch (const std::bad_alloc&) {
-        return report(stage.name, ExitCode::Resources,
-                      "out of memory; give it more with --memory, or make the input smaller");
+        return report(stage.name, ExitCode::Resources, out_of_memory(stage, line));
     } catch (const fs::filesystem_error& error) {
         const bool full = error.code() == std::errc::no_space_on_device;
         return report(stage.name, full ? ExitCode::Resources : ExitCode::Input, error.what());

@@ -4,6 +4,7 @@
 #include "geometry/pca_energy.h"
 #include "mesh/adjacency.h"
 #include "mesh/hygiene.h"
+#include "mesh/invariants.h"
 #include "partition/refine_borders.h"
 #include "support/expect_error.h"
 #include "support/grids.h"
@@ -300,6 +301,7 @@ TEST(Partition, SurvivesDegenerateAndDuplicateFaces)
     for (const auto method : kMethods) {
         const PlaneMesh result = partition(mesh, clusters(0, method));
         ASSERT_EQ(result.face_plane.size(), mesh.face.size());
+        EXPECT_EQ(broken_promise_of_planes(result), "");
         EXPECT_EQ(result.face_plane[7], result.face_plane[200]) << "a duplicate lies in the cluster of its twin";
         for (const auto& plane : result.plane)
             EXPECT_TRUE(plane.normal.allFinite() && std::isfinite(plane.offset));

@@ -1,7 +1,7 @@
 #include "pipeline/history.h"
 
 #include "base/error.h"
-#include "pipeline/formula.h"
+#include "base/formula.h"
 
 #include <gmock/gmock.h>
 

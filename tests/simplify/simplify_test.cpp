@@ -3,10 +3,12 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "mesh/hygiene.h"
+#include "mesh/invariants.h"
 #include "support/plane_meshes.h"
 
 #include <gmock/gmock.h>
 #include <limits>
+#include <random>
 
 namespace quoin {
 namespace {
@@ -177,6 +179,54 @@ TEST(Simplify, CutsAKnotOutOfAPlaneAndFillsTheRest)
     EXPECT_LT(result.mesh.face.size(), simplify(knotted, qem).mesh.face.size() + 20);
 }
 
+// A floor of 6 mm cells, some rows of them with ragged islands and holes a few cells large. The islands of a row belong
+// to a plane that is tilted about the row: most of their border is within reach of its line in the floor.
+PlaneMesh floor_with_tilted_islands(unsigned seed)
+{
+    constexpr int kCells = 60, kFirstRow = 6, kRowStep = 12, kSteps = 8;
+    constexpr double kCell = 0.006, kTilt = 0.5;
+    std::mt19937 random(seed);
+    const auto number = [&] { return static_cast<double>(random()) / std::mt19937::max(); };
+    const Eigen::Quaterniond turn =
+        Eigen::Quaterniond(1.0, number() - 0.5, number() - 0.5, number() - 0.5).normalized();
+    const Eigen::Vector3d origin(number(), number(), 3.0),
+        x = turn * Eigen::Vector3d::UnitX(), y = turn * Eigen::Vector3d::UnitY(), z = turn * Eigen::Vector3d::UnitZ();
+    auto mesh = join_sheets({{origin, kCell * kCells * x, kCell * kCells * y, kCells}});
+    const auto face = [](int i, int j, unsigned half) { return static_cast<FaceId>(2 * (kCells * j + i)) + half; };
+    for (int row = kFirstRow; row < kCells; row += kRowStep) {
+        const Eigen::Vector3d normal = std::cos(kTilt) * z - std::sin(kTilt) * y;
+        mesh.plane.push_back({normal, -normal.dot(origin + kCell * row * y)});
+        mesh.moments.push_back(mesh.moments[0]);
+        for (int middle = 5; middle < kCells; middle += 10)
+            for (int step = 0, i = middle, j = row; step < kSteps; ++step) { // a random walk
+                mesh.face_plane[face(i, j, random() % 2)] = static_cast<PlaneId>(mesh.plane.size() - 1);
+                (random() % 2 == 0 ? i : j) += random() % 2 == 0 ? 1 : -1;
+                i = std::clamp(i, middle - 3, middle + 3);
+                j = std::clamp(j, row - 2, row + 2);
+            }
+    }
+    PlaneMesh result = mesh;
+    result.mesh.face.clear();
+    result.face_plane.clear();
+    for (FaceId f = 0; f < mesh.mesh.face.size(); ++f) {
+        const int row = static_cast<int>(f) / (2 * kCells);
+        if ((row + kRowStep - kFirstRow) % kRowStep < 2 && random() % 8 == 0) continue;
+        result.mesh.face.push_back(mesh.mesh.face[f]);
+        result.face_plane.push_back(mesh.face_plane[f]);
+    }
+    result.vertex_class = classify_vertices(result.mesh, result.face_plane);
+    return result;
+}
+
+TEST(Simplify, LeavesRoomForFacesBetweenBordersThatCouldLieOnOneLine)
+{
+    for (unsigned seed = 0; seed < 60; ++seed) {
+        const auto result = simplify(floor_with_tilted_islands(seed), {});
+        EXPECT_EQ(inspect(result).zero_area_faces, 0u) << seed;
+        EXPECT_EQ(broken_promise_of_light_mesh(result), "") << seed;
+    }
+}
+
 TEST(Simplify, KeepsAtLeastFourFacesOfAClosedSurfaceOfOnePlane)
 {
     auto mesh = box({0.01, 0.01, 0.01}, 6);
@@ -328,11 +378,11 @@ TEST(Simplify, NeverWorsensAMeshOfRandomLabels)
         for (auto& p : mesh.face_plane)
             if (random() % 4 == 0) p = random() % 6;
         mesh.vertex_class = classify_vertices(mesh.mesh, mesh.face_plane);
-        const auto before = inspect(mesh), after = inspect(simplify(mesh, {}));
+        const auto result = simplify(mesh, {});
+        EXPECT_EQ(broken_promise_of_light_mesh(result), "") << seed;
+        const auto before = inspect(mesh), after = inspect(result);
         EXPECT_EQ(after.euler_characteristic, 2) << seed;
-        EXPECT_EQ(after.non_manifold_edges + after.duplicate_faces + after.bow_tie_vertices + after.inconsistent_edges,
-                  0u)
-            << seed;
+        EXPECT_EQ(after.inconsistent_edges, 0u) << seed;
         EXPECT_LE(after.flipped_faces, before.flipped_faces) << seed;
         EXPECT_LE(after.folded_pairs, before.folded_pairs + 3)
             << seed; // over borders, where faces look away from their planes

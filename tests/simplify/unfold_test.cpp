@@ -51,6 +51,36 @@ TEST(Unfold, TakesATabAwayWhoseSidesLieOnEachOther)
     EXPECT_LT(after.faces, before.faces);
 }
 
+TEST(Unfold, TakesATabAwayOneSideOfWhichIsAPlaneOfItsOwn)
+{
+    PlaneMesh mesh = sheet_with_tab();
+    constexpr FaceId front = 4;
+    mesh.face_plane[front] = 2;
+    mesh.plane.push_back(mesh.plane[0]);
+    mesh.moments.resize(3);
+    const Hygiene before = inspect(mesh);
+    unfold(mesh, {});
+    const Hygiene after = inspect(mesh);
+    EXPECT_EQ(manifold_defects(after) + after.zero_area_faces + after.flipped_faces, 0u);
+    EXPECT_LT(after.folded_pairs, before.folded_pairs);
+    EXPECT_LT(after.faces, before.faces);
+    EXPECT_EQ(std::ranges::count(mesh.face_plane, 2u), 0);
+}
+
+TEST(Unfold, LeavesAPatchThatIsTurnedOver)
+{
+    PlaneMesh mesh = join_sheets({{{0, 0, 0}, {0.01, 0, 0}, {0, 0.01, 0}, 4}});
+    for (const FaceId f : {10u, 11u, 12u, 13u}) {
+        std::swap(mesh.mesh.face[f][1], mesh.mesh.face[f][2]);
+        mesh.face_plane[f] = 1;
+    }
+    mesh.plane.push_back(mesh.plane[0].flipped());
+    mesh.moments.resize(2);
+    const auto faces = mesh.mesh.face;
+    unfold(mesh, {});
+    EXPECT_EQ(mesh.mesh.face, faces);
+}
+
 TEST(Unfold, LeavesASheetThatIsLargerThanTheError)
 {
     PlaneMesh mesh = sheet_with_tab();

@@ -1,4 +1,4 @@
-#include "pipeline/formula.h"
+#include "base/formula.h"
 
 #include "base/error.h"
 
