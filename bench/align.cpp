@@ -140,8 +140,7 @@ void align(std::size_t views)
     set_thread_count(1);
     const Wall wall = make_wall(views);
     const AlignmentScene scene = make_scene(wall);
-    const ProblemSource source{scene, wall.state, wall.params.lambda_p, {std::vector<std::uint32_t>(views + 1, 0), {}},
-                               {},    {}};
+    const ProblemSource source{scene, wall.state, wall.params.lambda_p, {}, {}, {}};
     const auto problem =
         make_problem(source, wall.state, 0, wall.params.texel_size * wall.params.texel_stride, TexelChoice::All);
     const auto count = static_cast<double>(problem.observations.size());

@@ -160,7 +160,7 @@ DepthSample sample_depth(const AlignmentScene& scene, const KeyframeImages& imag
     const double sigma = scene.depth_sigma(z);
     if (std::abs(seen.depth.at(u, v) - z) > std::max(scene.params.depth_gate, 3.0 * sigma)) return {};
     const Vector3 p = scene.depth_camera.ray({x, y}) * z;
-    return {p.cast<float>(), scene.mesh.face_plane[seen.face.at(u, v)], static_cast<float>(sigma)};
+    return {p.cast<float>(), scene.mesh.face_plane[seen.face.at(u, v)], static_cast<float>(1.0 / sigma)};
 }
 
 std::vector<DepthSample> sample_frame(const AlignmentScene& scene, const AlignmentState& state, std::size_t k)
@@ -179,7 +179,6 @@ std::vector<DepthSample> sample_frame(const AlignmentScene& scene, const Alignme
             const Vector3 p = sample.p_camera.cast<double>();
             if (-normal.dot(p) >= scene.params.min_cosine * p.norm()) samples.push_back(sample);
         }
-    std::ranges::stable_sort(samples, {}, &DepthSample::plane);
     return samples;
 }
 
@@ -201,16 +200,28 @@ Observations observe(const AlignmentScene& scene, const AlignmentState& state, c
     return listed(visible, shared, same);
 }
 
+void DepthSamples::add(std::uint32_t frame, std::vector<DepthSample> samples)
+{
+    std::ranges::stable_sort(samples, {}, &DepthSample::plane);
+    for (const DepthSample& sample : samples) {
+        const auto at = static_cast<std::uint32_t>(size());
+        if (run.empty() || run.back().frame != frame || run.back().plane != sample.plane)
+            run.push_back({frame, at, at, sample.plane});
+        run.back().end = at + 1;
+        x.push_back(sample.p_camera.x());
+        y.push_back(sample.p_camera.y());
+        z.push_back(sample.p_camera.z());
+        inverse_sigma.push_back(sample.inverse_sigma);
+    }
+}
+
 DepthSamples sample_depths(const AlignmentScene& scene, const AlignmentState& state)
 {
     std::vector<std::vector<DepthSample>> samples(scene.frames());
     parallel_for(samples.size(), [&](std::size_t k) { samples[k] = sample_frame(scene, state, k); });
     DepthSamples result;
-    result.first_of_frame.push_back(0);
-    for (const auto& frame : samples) {
-        result.sample.insert(result.sample.end(), frame.begin(), frame.end());
-        result.first_of_frame.push_back(static_cast<std::uint32_t>(result.sample.size()));
-    }
+    for (std::uint32_t k = 0; k < samples.size(); ++k)
+        result.add(k, std::move(samples[k]));
     return result;
 }
 

@@ -62,8 +62,8 @@ std::vector<double> mean_energies(const AlignmentProblem& reference, const Align
     for (const PlaneScatter& scatter : reference.scatter)
         points += scatter.weight;
     const auto colors = static_cast<double>(reference.observations.size());
-    const auto depths = static_cast<double>(reference.depths.sample.size());
-    const auto lines = static_cast<double>(2 * reference.lines.size() + reference.line_depths.sample.size());
+    const auto depths = static_cast<double>(reference.depths.size());
+    const auto lines = static_cast<double>(2 * reference.lines.size() + reference.line_depths.size());
     const auto frames = static_cast<double>(reference.scene.frames());
     return {mean(e.total(), colors + depths + lines),
             mean(e.color, colors),
@@ -106,7 +106,7 @@ AlignmentState minimize(const ProblemSource& source, AlignmentState state, const
             const auto problem =
                 make_problem(source, state, level, level_spacing(params, level), TexelChoice::Selected);
             log_debug(fmt::format("level {} compares {} texels in {} observations, {} depths and {} lines", level,
-                                  problem.texels.size(), problem.observations.size(), problem.depths.sample.size(),
+                                  problem.texels.size(), problem.observations.size(), problem.depths.size(),
                                   problem.lines.size()));
             state = minimize_jointly(problem, std::move(state), on_iteration);
             progress.step();

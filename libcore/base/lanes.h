@@ -45,7 +45,18 @@ inline void store_part(const Floats& lanes, float* to, std::size_t count)
 {
     _mm256_maskstore_ps(to, first_lanes(count), lanes);
 }
+inline Doubles load_doubles(const float* from, std::size_t count)
+{
+    return _mm256_cvtps_pd(_mm_maskload_ps(from, _mm256_castsi256_si128(first_lanes(count))));
+}
 #else
+inline Doubles load_doubles(const float* from, std::size_t count)
+{
+    Doubles lanes{};
+    for (std::size_t i = 0; i < std::min(count, kDoubles); ++i)
+        lanes[i] = from[i];
+    return lanes;
+}
 inline Floats load_part(const float* from, std::size_t count)
 {
     Floats lanes{};
