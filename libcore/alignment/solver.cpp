@@ -77,7 +77,7 @@ AlignmentState block_step(const AlignmentProblem& problem, const AlignmentState&
 } // namespace
 
 // Exposures hardly change with the poses: once a new estimate does not help, none is made for this problem any more.
-AlignmentState minimize_jointly(const AlignmentProblem& problem, AlignmentState state, const OnIteration& on_iteration)
+AlignmentState minimize_jointly(const AlignmentProblem& problem, AlignmentState state)
 {
     const OptimizeTextureParams& params = problem.scene.params;
     double damping = params.damping;
@@ -90,7 +90,6 @@ AlignmentState minimize_jointly(const AlignmentProblem& problem, AlignmentState 
             exposures_settled = !has_fallen(before, current, params);
         }
         current = joint_step(problem, std::move(current), damping);
-        on_iteration(current.state);
         if (!has_fallen(before, current, params)) break;
     }
     return current.state;
