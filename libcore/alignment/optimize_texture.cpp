@@ -195,7 +195,7 @@ void take_out_vignetting(AlignmentScene& scene, const AlignmentProblem& referenc
     const std::array observed{
         sample_grays(scene, start, {reference.texels, observations, reference.runs}, reference.level).value};
     const auto radius = squared_radii(scene, start, reference.texels, observations);
-    correct(scene, estimate_vignetting(observations, radius, observed, scene.params));
+    correct(scene, estimate_vignetting(observations, radius, observed, start.exposure, scene.params));
 }
 
 void warn_of_blind_frames(const AlignmentProblem& reference)

@@ -16,7 +16,8 @@ enum class Block { Pose, Plane, Calibration };
 // The exposures that fit the greys of a state, if they lower its energy.
 Fit with_better_exposures(const AlignmentProblem& problem, Fit current)
 {
-    auto exposure = estimate_exposures(problem.observations, current.samples.value, problem.scene.params);
+    auto exposure =
+        estimate_exposures(problem.observations, current.samples.value, problem.scene.params, current.state.exposure);
     return with_exposures(problem, std::move(current), std::move(exposure));
 }
 
