@@ -1,10 +1,12 @@
 #include "alignment/observations.h"
 
+#include "base/lanes.h"
 #include "base/parallel.h"
 #include "image/sampling.h"
 #include "render/rasterize.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 
@@ -93,7 +95,6 @@ bool agrees_with_depth(const FrameView& view, const Vector3& p_depth)
     return z <= 0.0 || std::abs(z - p_depth.z()) <= tolerance;
 }
 
-// Most texels of a plane fall to the first two tests.
 bool sees(const FrameView& view, const PlaneView& plane, const Eigen::Vector3f& p_world)
 {
     const OptimizeTextureParams& params = view.scene.params;
@@ -110,15 +111,66 @@ bool sees(const FrameView& view, const PlaneView& plane, const Eigen::Vector3f& 
     return gray >= params.saturation && gray <= 1.0 - params.saturation;
 }
 
-std::vector<TexelId> visible_texels(const FrameView& view, const AlignmentState& state, const Texels& texels)
+// Coordinates of all texels, each by itself [m].
+struct TexelLanes {
+    std::vector<float> x, y, z;
+};
+
+TexelLanes texel_lanes(const Texels& texels)
+{
+    TexelLanes lanes;
+    for (const Eigen::Vector3f& p : texels.p_world) {
+        lanes.x.push_back(p.x());
+        lanes.y.push_back(p.y());
+        lanes.z.push_back(p.z());
+    }
+    return lanes;
+}
+
+// Which points lie before the camera and within its image? In single precision, and so with some room: most texels of a
+// plane fall to this test, and the others are asked again.
+struct Frustum {
+    static constexpr float kRoom = 1.0f; // [px]
+    Eigen::Matrix<float, 3, 4> color_from_point;
+    float fx, fy, left, right, top, bottom; // the borders from the principal point [px]
+
+    Frustum(const Camera& camera, const Eigen::Affine3d& color_from_point_)
+        : color_from_point(color_from_point_.matrix().topRows<3>().cast<float>()), fx(static_cast<float>(camera.fx)),
+          fy(static_cast<float>(camera.fy)), left(static_cast<float>(-camera.cx) - kRoom),
+          right(static_cast<float>(camera.width - camera.cx) + kRoom), top(static_cast<float>(-camera.cy) - kRoom),
+          bottom(static_cast<float>(camera.height - camera.cy) + kRoom)
+    {
+    }
+    // A bit for each of the first eight of `count` points from `first` on.
+    unsigned may_show(const TexelLanes& points, std::size_t first, std::size_t count) const
+    {
+        const Floats x = load_part(&points.x[first], count), y = load_part(&points.y[first], count);
+        const Floats z = load_part(&points.z[first], count);
+        const auto row = [&](int i) {
+            const auto A = color_from_point.row(i);
+            return A[0] * x + A[1] * y + A[2] * z + A[3];
+        };
+        const Floats X = fx * row(0), Y = fy * row(1), Z = row(2);
+        const Ints shown = (Z > 0.0f) & (X > left * Z) & (X < right * Z) & (Y > top * Z) & (Y < bottom * Z);
+        return bits(shown) & ((1u << std::min(count, kFloats)) - 1u);
+    }
+};
+
+std::vector<TexelId> visible_texels(const FrameView& view, const AlignmentState& state, const Texels& texels,
+                                    const TexelLanes& lanes)
 {
     std::vector<TexelId> visible;
     for (PlaneId p = 0; p < state.plane.size(); ++p) {
         if (!view.has_plane[p]) continue;
         const PlaneView plane = plane_view(view, state.plane[p], p);
         if (plane.distance < 0.0) continue;
-        for (TexelId t = texels.first_of_plane[p]; t < texels.first_of_plane[p + 1]; ++t)
-            if (sees(view, plane, texels.p_world[t])) visible.push_back(t);
+        const Frustum frustum(view.level_camera, plane.color_from_point);
+        const TexelId end = texels.first_of_plane[p + 1];
+        for (TexelId first = texels.first_of_plane[p]; first < end; first += kFloats)
+            for (unsigned shown = frustum.may_show(lanes, first, end - first); shown != 0; shown &= shown - 1) {
+                const TexelId t = first + static_cast<TexelId>(std::countr_zero(shown));
+                if (sees(view, plane, texels.p_world[t])) visible.push_back(t);
+            }
     }
     return visible;
 }
@@ -187,8 +239,10 @@ std::vector<DepthSample> sample_frame(const AlignmentScene& scene, const Alignme
 Observations observe(const AlignmentScene& scene, const AlignmentState& state, const Texels& texels, int level)
 {
     std::vector<std::vector<TexelId>> visible(scene.frames());
-    parallel_for(visible.size(),
-                 [&](std::size_t k) { visible[k] = visible_texels(look(scene, state, k, level), state, texels); });
+    const TexelLanes lanes = texel_lanes(texels);
+    parallel_for(visible.size(), [&](std::size_t k) {
+        visible[k] = visible_texels(look(scene, state, k, level), state, texels, lanes);
+    });
     std::vector<std::uint32_t> views(texels.size(), 0);
     for (const auto& frame : visible)
         for (const TexelId t : frame)

@@ -69,6 +69,19 @@ inline void store_part(const Floats& lanes, float* to, std::size_t count)
 }
 #endif
 
+// Bit i is set where lane i of a comparison holds.
+inline unsigned bits(const Ints& is_true)
+{
+#ifdef __AVX2__
+    return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(is_true)));
+#else
+    unsigned result = 0;
+    for (std::size_t i = 0; i < kFloats; ++i)
+        result |= static_cast<unsigned>(is_true[i] != 0) << i;
+    return result;
+#endif
+}
+
 inline double sum(const Floats& lanes)
 {
     double total = 0.0;
