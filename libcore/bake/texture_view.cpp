@@ -81,41 +81,39 @@ Eigen::Vector2i nearest(const Eigen::Vector2d& pixel)
     return {static_cast<int>(std::floor(pixel.x() + 0.5)), static_cast<int>(std::floor(pixel.y() + 0.5))};
 }
 
-// Does the predicate hold for the four pixels that a bilinear sample mixes?
-template <class Predicate>
-bool all_mixed(const Eigen::Vector2d& pixel, const Predicate& predicate)
-{
-    const int x0 = static_cast<int>(std::floor(pixel.x())), x1 = static_cast<int>(std::ceil(pixel.x()));
-    const int y0 = static_cast<int>(std::floor(pixel.y())), y1 = static_cast<int>(std::ceil(pixel.y()));
-    return predicate(x0, y0) && predicate(x1, y0) && predicate(x0, y1) && predicate(x1, y1);
-}
-
 } // namespace
 
 TextureView::TextureView(const BakeInput& input, std::size_t k, const BakeTextureParams& params)
     : params_(params), color_camera_(input.alignment.color), depth_camera_(input.images.scan().depth),
       color_from_world_(input.alignment.color_from_world(k)), depth_from_world_(input.alignment.camera_from_world[k]),
-      color_(pyramid(input.images.color(input.keyframes.frame[k]))),
-      drawn_(rasterize(input.planes.mesh, color_camera_, color_from_world_).depth),
-      measured_(input.images.depth(input.keyframes.frame[k])), drawn_edge_(distance_to_drawn_edges(drawn_, params)),
-      measured_edge_(grow_distances(depth_steps(measured_, params.depth_jump, params.depth_noise), kFarFromEdges)),
-      gain_(input.alignment.gain[k]), bias_(input.alignment.bias[k]),
+      color_(pyramid(input.images.color(input.keyframes.frame[k]))), gain_(input.alignment.gain[k]),
+      bias_(input.alignment.bias[k]),
       vignetting_(input.alignment.vignetting), safe_{cosine(params.max_view_angle), params.edge_margin, 1.0},
       least_{std::min(safe_.least_facing, cosine(params.last_view_angle)), 0.0, 0.0}
 {
     const FrameId frame = input.keyframes.frame[k];
     const float blur = frame < input.keyframes.blur.size() ? input.keyframes.blur[frame] : 0.0f;
     sharpness_ = std::isfinite(blur) ? 1.0 - std::clamp<double>(blur, 0.0, 1.0) : 1.0;
-    // The depth image's pixels in units of the colour image's.
-    for (auto& distance : measured_edge_.pixels)
-        distance *= static_cast<float>(color_camera_.fx / depth_camera_.fx);
+    const DepthImage drawn = rasterize(input.planes.mesh, color_camera_, color_from_world_).depth;
+    drawn_ = edged(drawn, distance_to_drawn_edges(drawn, params), 1.0f);
+    const DepthImage measured = input.images.depth(frame);
+    const Image<float> to_edge =
+        grow_distances(depth_steps(measured, params.depth_jump, params.depth_noise), kFarFromEdges);
+    measured_ = edged(measured, to_edge, static_cast<float>(color_camera_.fx / depth_camera_.fx));
+}
+
+// Side by side, for who asks for one asks for both.
+Image<TextureView::EdgedDepth> TextureView::edged(const DepthImage& depth, const Image<float>& to_edge, float scale)
+{
+    Image<EdgedDepth> result(depth.width, depth.height);
+    for (std::size_t i = 0; i < result.pixels.size(); ++i)
+        result.pixels[i] = {depth.pixels[i], scale * to_edge.pixels[i]};
+    return result;
 }
 
 std::size_t TextureView::bytes() const
 {
-    const std::size_t pixels =
-        drawn_.pixels.size() + measured_.pixels.size() + drawn_edge_.pixels.size() + measured_edge_.pixels.size();
-    std::size_t result = pixels * sizeof(float);
+    std::size_t result = (drawn_.pixels.size() + measured_.pixels.size()) * sizeof(EdgedDepth);
     for (const auto& level : color_)
         result += level.pixels.size() * sizeof(Rgb8);
     return result;
@@ -134,43 +132,81 @@ double TextureView::depth_tolerance(double z, double facing, double focal) const
     return std::max(params_.depth_tolerance, kSigmas * params_.depth_noise * z * z) + z / (focal * facing);
 }
 
-std::optional<Sighting> TextureView::see(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world,
-                                         Margins margins) const
+bool TextureView::shows_surface(int x, int y, const Look& look) const
 {
-    const Limits& limits = margins == Margins::Safe ? safe_ : least_;
-    const Eigen::Vector3d p_color = color_from_world_ * p_world;
-    if (p_color.z() < params_.min_depth || p_color.z() > params_.max_depth) return std::nullopt;
-    const Eigen::Vector2d pixel = color_camera_.project(p_color);
-    if (!color_camera_.contains(pixel, limits.border)) return std::nullopt;
-    const double facing = -(color_from_world_.linear() * normal_world).dot(p_color) / p_color.norm();
-    if (facing < limits.least_facing) return std::nullopt;
+    const double drawn = drawn_.at(x, y).depth;
+    return drawn > 0.0 && std::abs(drawn - look.z) <= depth_tolerance(look.z, look.facing, color_camera_.fx);
+}
 
-    const Eigen::Vector2i at = nearest(pixel);
-    double trust = edge_ramp(drawn_edge_.at(at.x(), at.y()), limits.edge);
-    if (trust == 0.0) return std::nullopt;
-    const double tolerance = depth_tolerance(p_color.z(), facing, color_camera_.fx);
-    const auto shows_surface = [&](int x, int y) {
-        return drawn_.at(x, y) > 0.0 && std::abs(drawn_.at(x, y) - p_color.z()) <= tolerance;
-    };
-    if (!shows_surface(at.x(), at.y())) return std::nullopt;
-    // The safe margins keep all that a colour mixes away from edges.
-    if (margins == Margins::Least && !all_mixed(pixel, shows_surface)) return std::nullopt;
+bool TextureView::mixes_surface_only(const Look& look) const
+{
+    const int x0 = static_cast<int>(std::floor(look.pixel.x())), x1 = static_cast<int>(std::ceil(look.pixel.x()));
+    const int y0 = static_cast<int>(std::floor(look.pixel.y())), y1 = static_cast<int>(std::ceil(look.pixel.y()));
+    return shows_surface(x0, y0, look) && shows_surface(x1, y0, look) && shows_surface(x0, y1, look) &&
+           shows_surface(x1, y1, look);
+}
+
+std::optional<TextureView::Look> TextureView::look(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world,
+                                                   const Limits& limits) const
+{
+    Look look;
+    const Eigen::Vector3d p_color = color_from_world_ * p_world;
+    look.z = p_color.z();
+    if (look.z < params_.min_depth || look.z > params_.max_depth) return std::nullopt;
+    look.pixel = color_camera_.project(p_color);
+    if (!color_camera_.contains(look.pixel, limits.border)) return std::nullopt;
+    look.facing = -(color_from_world_.linear() * normal_world).dot(p_color) / p_color.norm();
+    if (look.facing < limits.least_facing) return std::nullopt;
+
+    const Eigen::Vector2i at = nearest(look.pixel);
+    look.drawn_to_edge = drawn_.at(at.x(), at.y()).to_edge;
+    if (look.drawn_to_edge < limits.edge || !shows_surface(at.x(), at.y(), look)) return std::nullopt;
 
     const Eigen::Vector3d p_depth = depth_from_world_ * p_world;
     const Eigen::Vector2i at_depth =
         p_depth.z() > 0.0 ? nearest(depth_camera_.project(p_depth)) : Eigen::Vector2i(-1, -1);
-    const bool in_depth_image = measured_.contains(at_depth.x(), at_depth.y());
-    const double measured = in_depth_image ? measured_.at(at_depth.x(), at_depth.y()) : 0.0;
-    if (measured == 0.0)
-        trust *= kUnmeasuredTrust;
-    else if (std::abs(measured - p_depth.z()) > depth_tolerance(p_depth.z(), facing, depth_camera_.fx))
-        return std::nullopt;
-    if (measured > 0.0) trust *= edge_ramp(measured_edge_.at(at_depth.x(), at_depth.y()), limits.edge);
-    if (trust == 0.0) return std::nullopt;
-    return Sighting{pixel, color_camera_.fx * std::sqrt(facing) / p_color.z(), facing, trust};
+    if (!measured_.contains(at_depth.x(), at_depth.y())) return look;
+    const EdgedDepth& measured = measured_.at(at_depth.x(), at_depth.y());
+    look.is_measured = measured.depth > 0.0f;
+    look.measured_to_edge = measured.to_edge;
+    if (!look.is_measured) return look;
+    const double tolerance = depth_tolerance(p_depth.z(), look.facing, depth_camera_.fx);
+    if (std::abs(measured.depth - p_depth.z()) > tolerance || look.measured_to_edge < limits.edge) return std::nullopt;
+    return look;
 }
 
-Eigen::Vector3f TextureView::color(const Sighting& sighting, double density) const
+bool TextureView::is_within(const Look& look, const Limits& limits) const
+{
+    return color_camera_.contains(look.pixel, limits.border) && look.facing >= limits.least_facing &&
+           look.drawn_to_edge >= limits.edge && (!look.is_measured || look.measured_to_edge >= limits.edge);
+}
+
+Sighting TextureView::sighting(const Look& look, const Limits& limits) const
+{
+    const double measured_trust = look.is_measured ? edge_ramp(look.measured_to_edge, limits.edge) : kUnmeasuredTrust;
+    return {look.pixel, color_camera_.fx * std::sqrt(look.facing) / look.z, look.facing,
+            edge_ramp(look.drawn_to_edge, limits.edge) * measured_trust};
+}
+
+std::optional<Sighting> TextureView::see(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world,
+                                         Margins margins) const
+{
+    const Limits& limits = margins == Margins::Safe ? safe_ : least_;
+    const auto seen = look(p_world, normal_world, limits);
+    // The safe margins keep all that a colour mixes away from edges.
+    if (!seen || (margins == Margins::Least && !mixes_surface_only(*seen))) return std::nullopt;
+    return sighting(*seen, limits);
+}
+
+TextureView::TwoSightings TextureView::see_by_both(const Eigen::Vector3d& p_world,
+                                                   const Eigen::Vector3d& normal_world) const
+{
+    const auto seen = look(p_world, normal_world, least_);
+    if (!seen || !mixes_surface_only(*seen)) return {};
+    return {true, is_within(*seen, safe_) ? std::optional(sighting(*seen, safe_)) : std::nullopt};
+}
+
+Eigen::Vector3f TextureView::recorded_color(const Sighting& sighting, double density) const
 {
     // A texel of at least sqrt(2) pixels is nearer to the next level.
     std::size_t level = 0;
@@ -183,7 +219,12 @@ Eigen::Vector3f TextureView::color(const Sighting& sighting, double density) con
     // Bilinear samples need a neighbour on every side.
     const double x = std::clamp(pixel.x(), 0.0, image.width - 1.001),
                  y = std::clamp(pixel.y(), 0.0, image.height - 1.001);
-    return correction(sighting.pixel) * gain_.cwiseProduct(sample_color(image, x, y)) + bias_;
+    return sample_color(image, x, y);
+}
+
+Eigen::Vector3f TextureView::common_color(const Sighting& sighting, const Eigen::Vector3f& recorded) const
+{
+    return correction(sighting.pixel) * gain_.cwiseProduct(recorded) + bias_;
 }
 
 // Of vignetting.
@@ -193,9 +234,8 @@ float TextureView::correction(const Eigen::Vector2d& pixel) const
         vignetting_.correction(Vignetting::squared_radius(color_camera_.width, color_camera_.height, pixel)));
 }
 
-float TextureView::exposure_weight(const Sighting& sighting, const Eigen::Vector3f& common_color) const
+float TextureView::exposure_weight(const Eigen::Vector3f& recorded)
 {
-    const Eigen::Vector3f recorded = (common_color - bias_).cwiseQuotient(correction(sighting.pixel) * gain_);
     return recorded.maxCoeff() >= kSaturated ? kSaturatedWeight : 1.0f;
 }
 

@@ -30,11 +30,24 @@ public:
     std::optional<Sighting> see(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world,
                                 Margins margins = Margins::Safe) const;
 
-    // The colour there in the common exposure, 0..255 and beyond, from the pyramid level whose pixels are as large as a
-    // texel of the given density [1/m].
-    Eigen::Vector3f color(const Sighting& sighting, double density) const;
-    // A weight that sinks to nearly 0 where the recorded colour is black or white without detail.
-    float exposure_weight(const Sighting& sighting, const Eigen::Vector3f& common_color) const;
+    // By both margins with one look.
+    struct TwoSightings {
+        bool by_least_margins = false; // at least by these
+        std::optional<Sighting> safe;
+    };
+    TwoSightings see_by_both(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world) const;
+
+    // The recorded colour there, 0..255, from the pyramid level whose pixels are as large as a texel of the given
+    // density [1/m].
+    Eigen::Vector3f recorded_color(const Sighting& sighting, double density) const;
+    // The same in the common exposure, 0..255 and beyond.
+    Eigen::Vector3f common_color(const Sighting& sighting, const Eigen::Vector3f& recorded) const;
+    Eigen::Vector3f color(const Sighting& sighting, double density) const
+    {
+        return common_color(sighting, recorded_color(sighting, density));
+    }
+    // A weight that sinks to nearly 0 where the recorded colour is white without detail.
+    static float exposure_weight(const Eigen::Vector3f& recorded);
 
     double sharpness() const { return sharpness_; } // 0 blurred .. 1 sharp
     // 1 in the middle of the image, towards 0 in its corners (vignetting, distortion).
@@ -47,6 +60,25 @@ private:
         double least_facing = 0.0;
         double edge = 0.0, border = 0.0; // distances to edges of depth and the image's [px]
     };
+    // What the view shows of a point.
+    struct Look {
+        Eigen::Vector2d pixel;
+        double z = 0.0, facing = 0.0;                       // depth [m] and cosine
+        double drawn_to_edge = 0.0, measured_to_edge = 0.0; // [px]
+        bool is_measured = false;
+    };
+    // A depth [m], 0 where there is none, and its distance to the nearest edge of depth [px of the colour image].
+    struct EdgedDepth {
+        float depth = 0.0f, to_edge = 0.0f;
+    };
+    static Image<EdgedDepth> edged(const DepthImage& depth, const Image<float>& to_edge, float scale);
+
+    std::optional<Look> look(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world,
+                             const Limits& limits) const;
+    bool is_within(const Look& look, const Limits& limits) const; // of a look with wider limits
+    bool shows_surface(int x, int y, const Look& look) const;     // at a pixel of the colour image
+    bool mixes_surface_only(const Look& look) const;              // does its bilinear sample?
+    Sighting sighting(const Look& look, const Limits& limits) const;
     double edge_ramp(double pixels_to_edge, double margin) const;
     double depth_tolerance(double z, double facing, double focal) const; // [m]
     float correction(const Eigen::Vector2d& pixel) const;
@@ -54,9 +86,8 @@ private:
     BakeTextureParams params_;
     Camera color_camera_, depth_camera_;
     Rigid color_from_world_, depth_from_world_;
-    std::vector<ColorImage> color_;           // pyramid
-    DepthImage drawn_, measured_;             // of the mesh in the colour camera; of the sensor in the depth camera
-    Image<float> drawn_edge_, measured_edge_; // distance to the nearest edge of depth [px of the colour image]
+    std::vector<ColorImage> color_;      // pyramid
+    Image<EdgedDepth> drawn_, measured_; // of the mesh in the colour camera; of the sensor in the depth camera
     Eigen::Vector3f gain_, bias_;
     Vignetting vignetting_;
     Limits safe_, least_;
