@@ -157,10 +157,9 @@ void ChartBlend::sample_tile(const TextureView& view, const TileWeights& weights
     const Eigen::Vector2i end = (begin.array() + kTileSize).min(Eigen::Array2i(texels_->width(), texels_->height()));
     for (int y = begin.y(); y < end.y(); ++y) {
         const TileWeights::Row consistency = weights.consistency(tile.x(), y);
+        const RowAims aims(view, *texels_, positions_, {begin.x(), y}, Margins::Safe);
         for (int x = begin.x(); x < end.x(); ++x) {
-            const auto face = texels_->face.at(x, y);
-            if (face == kNoFace) continue;
-            const auto sighting = view.see(positions_.world(face, x, y), positions_.normal(face));
+            const auto sighting = view.see(aims[x], Margins::Safe);
             if (!sighting) continue;
             const Eigen::Vector3f recorded = view.recorded_color(*sighting, density);
             const Eigen::Vector3f color = view.common_color(*sighting, recorded);

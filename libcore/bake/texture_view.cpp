@@ -132,78 +132,82 @@ double TextureView::depth_tolerance(double z, double facing, double focal) const
     return std::max(params_.depth_tolerance, kSigmas * params_.depth_noise * z * z) + z / (focal * facing);
 }
 
-bool TextureView::shows_surface(int x, int y, const Look& look) const
+TextureView::Aim TextureView::aim(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world,
+                                  Margins margins) const
 {
-    const double drawn = drawn_.at(x, y).depth;
-    return drawn > 0.0 && std::abs(drawn - look.z) <= depth_tolerance(look.z, look.facing, color_camera_.fx);
-}
-
-bool TextureView::mixes_surface_only(const Look& look) const
-{
-    const int x0 = static_cast<int>(std::floor(look.pixel.x())), x1 = static_cast<int>(std::ceil(look.pixel.x()));
-    const int y0 = static_cast<int>(std::floor(look.pixel.y())), y1 = static_cast<int>(std::ceil(look.pixel.y()));
-    return shows_surface(x0, y0, look) && shows_surface(x1, y0, look) && shows_surface(x0, y1, look) &&
-           shows_surface(x1, y1, look);
-}
-
-std::optional<TextureView::Look> TextureView::look(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world,
-                                                   const Limits& limits) const
-{
-    Look look;
+    Aim aim;
     const Eigen::Vector3d p_color = color_from_world_ * p_world;
-    look.z = p_color.z();
-    if (look.z < params_.min_depth || look.z > params_.max_depth) return std::nullopt;
-    look.pixel = color_camera_.project(p_color);
-    if (!color_camera_.contains(look.pixel, limits.border)) return std::nullopt;
-    look.facing = -(color_from_world_.linear() * normal_world).dot(p_color) / p_color.norm();
-    if (look.facing < limits.least_facing) return std::nullopt;
-
-    const Eigen::Vector2i at = nearest(look.pixel);
-    look.drawn_to_edge = drawn_.at(at.x(), at.y()).to_edge;
-    if (look.drawn_to_edge < limits.edge || !shows_surface(at.x(), at.y(), look)) return std::nullopt;
+    if (p_color.z() < params_.min_depth || p_color.z() > params_.max_depth) return {};
+    aim.pixel = color_camera_.project(p_color);
+    if (!color_camera_.contains(aim.pixel, limits(margins).border)) return {};
+    aim.facing = -(color_from_world_.linear() * normal_world).dot(p_color) / p_color.norm();
+    if (aim.facing < limits(margins).least_facing) return {};
+    aim.z = p_color.z();
+    const Eigen::Vector2i at = nearest(aim.pixel);
+    aim.drawn = &drawn_.at(at.x(), at.y());
+    __builtin_prefetch(aim.drawn);
+    __builtin_prefetch(&color_[0].at(at.x(), at.y()));
 
     const Eigen::Vector3d p_depth = depth_from_world_ * p_world;
-    const Eigen::Vector2i at_depth =
-        p_depth.z() > 0.0 ? nearest(depth_camera_.project(p_depth)) : Eigen::Vector2i(-1, -1);
-    if (!measured_.contains(at_depth.x(), at_depth.y())) return look;
-    const EdgedDepth& measured = measured_.at(at_depth.x(), at_depth.y());
-    look.is_measured = measured.depth > 0.0f;
-    look.measured_to_edge = measured.to_edge;
-    if (!look.is_measured) return look;
-    const double tolerance = depth_tolerance(p_depth.z(), look.facing, depth_camera_.fx);
-    if (std::abs(measured.depth - p_depth.z()) > tolerance || look.measured_to_edge < limits.edge) return std::nullopt;
-    return look;
+    aim.measured_z = p_depth.z();
+    if (!(p_depth.z() > 0.0)) return aim;
+    const Eigen::Vector2i at_depth = nearest(depth_camera_.project(p_depth));
+    if (!measured_.contains(at_depth.x(), at_depth.y())) return aim;
+    aim.measured = &measured_.at(at_depth.x(), at_depth.y());
+    __builtin_prefetch(aim.measured);
+    return aim;
 }
 
-bool TextureView::is_within(const Look& look, const Limits& limits) const
+bool TextureView::shows_surface(const Aim& aim, const EdgedDepth& drawn) const
 {
-    return color_camera_.contains(look.pixel, limits.border) && look.facing >= limits.least_facing &&
-           look.drawn_to_edge >= limits.edge && (!look.is_measured || look.measured_to_edge >= limits.edge);
+    const double tolerance = depth_tolerance(aim.z, aim.facing, color_camera_.fx);
+    return drawn.depth > 0.0f && std::abs(drawn.depth - aim.z) <= tolerance;
 }
 
-Sighting TextureView::sighting(const Look& look, const Limits& limits) const
+bool TextureView::mixes_surface_only(const Aim& aim) const
 {
-    const double measured_trust = look.is_measured ? edge_ramp(look.measured_to_edge, limits.edge) : kUnmeasuredTrust;
-    return {look.pixel, color_camera_.fx * std::sqrt(look.facing) / look.z, look.facing,
-            edge_ramp(look.drawn_to_edge, limits.edge) * measured_trust};
+    const int x0 = static_cast<int>(std::floor(aim.pixel.x())), x1 = static_cast<int>(std::ceil(aim.pixel.x()));
+    const int y0 = static_cast<int>(std::floor(aim.pixel.y())), y1 = static_cast<int>(std::ceil(aim.pixel.y()));
+    return shows_surface(aim, drawn_.at(x0, y0)) && shows_surface(aim, drawn_.at(x1, y0)) &&
+           shows_surface(aim, drawn_.at(x0, y1)) && shows_surface(aim, drawn_.at(x1, y1));
 }
 
-std::optional<Sighting> TextureView::see(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world,
-                                         Margins margins) const
+bool TextureView::agrees_with_measured(const Aim& aim) const
 {
-    const Limits& limits = margins == Margins::Safe ? safe_ : least_;
-    const auto seen = look(p_world, normal_world, limits);
+    if (!aim.measured || aim.measured->depth == 0.0f) return true;
+    const double tolerance = depth_tolerance(aim.measured_z, aim.facing, depth_camera_.fx);
+    return std::abs(aim.measured->depth - aim.measured_z) <= tolerance;
+}
+
+bool TextureView::is_within(const Aim& aim, const Limits& limits) const
+{
+    return color_camera_.contains(aim.pixel, limits.border) && aim.facing >= limits.least_facing &&
+           aim.drawn->to_edge >= limits.edge &&
+           (!aim.measured || aim.measured->depth == 0.0f || aim.measured->to_edge >= limits.edge);
+}
+
+Sighting TextureView::sighting(const Aim& aim, const Limits& limits) const
+{
+    const bool is_measured = aim.measured && aim.measured->depth > 0.0f;
+    const double measured_trust = is_measured ? edge_ramp(aim.measured->to_edge, limits.edge) : kUnmeasuredTrust;
+    return {aim.pixel, color_camera_.fx * std::sqrt(aim.facing) / aim.z, aim.facing,
+            edge_ramp(aim.drawn->to_edge, limits.edge) * measured_trust};
+}
+
+std::optional<Sighting> TextureView::see(const Aim& aim, Margins margins) const
+{
+    if (aim.z == 0.0 || !is_within(aim, limits(margins)) || !shows_surface(aim, *aim.drawn) ||
+        !agrees_with_measured(aim))
+        return std::nullopt;
     // The safe margins keep all that a colour mixes away from edges.
-    if (!seen || (margins == Margins::Least && !mixes_surface_only(*seen))) return std::nullopt;
-    return sighting(*seen, limits);
+    if (margins == Margins::Least && !mixes_surface_only(aim)) return std::nullopt;
+    return sighting(aim, limits(margins));
 }
 
-TextureView::TwoSightings TextureView::see_by_both(const Eigen::Vector3d& p_world,
-                                                   const Eigen::Vector3d& normal_world) const
+TextureView::TwoSightings TextureView::see_by_both(const Aim& aim) const
 {
-    const auto seen = look(p_world, normal_world, least_);
-    if (!seen || !mixes_surface_only(*seen)) return {};
-    return {true, is_within(*seen, safe_) ? std::optional(sighting(*seen, safe_)) : std::nullopt};
+    if (!see(aim, Margins::Least)) return {};
+    return {true, is_within(aim, safe_) ? std::optional(sighting(aim, safe_)) : std::nullopt};
 }
 
 Eigen::Vector3f TextureView::recorded_color(const Sighting& sighting, double density) const

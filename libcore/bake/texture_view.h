@@ -21,21 +21,36 @@ struct Sighting {
 enum class Margins { Safe, Least };
 
 class TextureView {
+    // A depth [m], 0 where there is none, and its distance to the nearest edge of depth [px of the colour image].
+    struct EdgedDepth {
+        float depth = 0.0f, to_edge = 0.0f;
+    };
+
 public:
     // Loads colour and depth of keyframe k and draws the mesh from its pose.
     TextureView(const BakeInput& input, std::size_t k, const BakeTextureParams& params);
 
+    // Where a point is in the images, which have its pixels brought near: aim at some points before asking what is seen
+    // of the first, or every look waits for memory.
+    struct Aim {
+        Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+        double z = 0.0, facing = 0.0; // depth [m], 0 = outside the image or the depth range, and cosine
+        double measured_z = 0.0;      // depth in the depth camera [m]
+        const EdgedDepth* drawn = nullptr;
+        const EdgedDepth* measured = nullptr; // nullptr outside the depth image
+    };
+    Aim aim(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world, Margins margins) const;
+
     // nullopt when the point is out of sight: outside the image or the depth range, turned away, hidden by the mesh or
     // by something the mesh lacks, or too near to an edge of depth, where colours of two surfaces mix.
-    std::optional<Sighting> see(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world,
-                                Margins margins = Margins::Safe) const;
+    std::optional<Sighting> see(const Aim& aim, Margins margins) const;
 
-    // By both margins with one look.
+    // By both margins with one look; the aim is by the least ones.
     struct TwoSightings {
         bool by_least_margins = false; // at least by these
         std::optional<Sighting> safe;
     };
-    TwoSightings see_by_both(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world) const;
+    TwoSightings see_by_both(const Aim& aim) const;
 
     // The recorded colour there, 0..255, from the pyramid level whose pixels are as large as a texel of the given
     // density [1/m].
@@ -60,25 +75,13 @@ private:
         double least_facing = 0.0;
         double edge = 0.0, border = 0.0; // distances to edges of depth and the image's [px]
     };
-    // What the view shows of a point.
-    struct Look {
-        Eigen::Vector2d pixel;
-        double z = 0.0, facing = 0.0;                       // depth [m] and cosine
-        double drawn_to_edge = 0.0, measured_to_edge = 0.0; // [px]
-        bool is_measured = false;
-    };
-    // A depth [m], 0 where there is none, and its distance to the nearest edge of depth [px of the colour image].
-    struct EdgedDepth {
-        float depth = 0.0f, to_edge = 0.0f;
-    };
     static Image<EdgedDepth> edged(const DepthImage& depth, const Image<float>& to_edge, float scale);
-
-    std::optional<Look> look(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world,
-                             const Limits& limits) const;
-    bool is_within(const Look& look, const Limits& limits) const; // of a look with wider limits
-    bool shows_surface(int x, int y, const Look& look) const;     // at a pixel of the colour image
-    bool mixes_surface_only(const Look& look) const;              // does its bilinear sample?
-    Sighting sighting(const Look& look, const Limits& limits) const;
+    const Limits& limits(Margins margins) const { return margins == Margins::Safe ? safe_ : least_; }
+    bool shows_surface(const Aim& aim, const EdgedDepth& drawn) const; // at a pixel of the colour image
+    bool mixes_surface_only(const Aim& aim) const;                     // does its bilinear sample?
+    bool agrees_with_measured(const Aim& aim) const;
+    bool is_within(const Aim& aim, const Limits& limits) const;
+    Sighting sighting(const Aim& aim, const Limits& limits) const;
     double edge_ramp(double pixels_to_edge, double margin) const;
     double depth_tolerance(double z, double facing, double focal) const; // [m]
     float correction(const Eigen::Vector2d& pixel) const;

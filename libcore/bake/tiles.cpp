@@ -131,9 +131,11 @@ TileSamples::Judgement TileSamples::judge_tile(const TextureView& view, std::siz
     Judgement judgement;
     TileView& result = judgement.view;
     double seen = 0.0, quality = 0.0;
+    std::array<TextureView::Aim, kSamplesPerTile> aim;
+    for (std::size_t i = 0; i < sample_[tile].size(); ++i)
+        aim[i] = view.aim(sample_[tile][i].p_world, sample_[tile][i].normal_world, Margins::Least);
     for (std::size_t i = 0; i < sample_[tile].size(); ++i) {
-        const auto& sample = sample_[tile][i];
-        const auto [by_least_margins, sighting] = view.see_by_both(sample.p_world, sample.normal_world);
+        const auto [by_least_margins, sighting] = view.see_by_both(aim[i]);
         judgement.by_least_margins |= by_least_margins;
         if (!sighting) continue;
         judgement.seen |= static_cast<SampleSet>(1u << i);
@@ -162,6 +164,17 @@ void TileSamples::judge(const TextureView& view, std::uint32_t keyframe, ChartTi
         judged.keyframe = keyframe;
         tiles.view[tile].push_back(judged);
     }
+}
+
+RowAims::RowAims(const TextureView& view, const TexelChart& texels, const TexelPositions& positions,
+                 const Eigen::Vector2i& first, Margins margins)
+    : first_(first.x())
+{
+    const int y = first.y();
+    for (int x = first_; x < std::min(first_ + kTileSize, texels.width()); ++x)
+        if (const auto face = texels.face.at(x, y); face != kNoFace)
+            aim_[static_cast<std::size_t>(x - first_)] =
+                view.aim(positions.world(face, x, y), positions.normal(face), margins);
 }
 
 void keep_last_views_of_gaps(ChartTiles& tiles)

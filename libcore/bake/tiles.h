@@ -60,6 +60,18 @@ private:
     double radius_ = 0.0;
 };
 
+// A view's aims at the texels of a tile in one row, from `first` on; outside the chart it sees nothing.
+class RowAims {
+public:
+    RowAims(const TextureView& view, const TexelChart& texels, const TexelPositions& positions,
+            const Eigen::Vector2i& first, Margins margins);
+    const TextureView::Aim& operator[](int texel_x) const { return aim_[static_cast<std::size_t>(texel_x - first_)]; }
+
+private:
+    int first_;
+    std::array<TextureView::Aim, kTileSize> aim_;
+};
+
 // Leaves last views only to tiles that have unseen samples.
 void keep_last_views_of_gaps(ChartTiles& tiles);
 
