@@ -1,6 +1,7 @@
 #include "bake/texture_view.h"
 
 #include "bake/distance_field.h"
+#include "base/lanes.h"
 #include "image/sampling.h"
 #include "render/rasterize.h"
 
@@ -19,6 +20,7 @@ constexpr double kBilinearReach = 2.0;   // from a rounded pixel to the farthest
 constexpr double kLeastRamp = 0.02;      // weight right at the margin; better than no view at all
 constexpr float kSaturated = 250.0f;     // recorded grey level whose true brightness is unknown
 constexpr float kSaturatedWeight = 0.1f;
+constexpr double kHalfPixel = 0.499;    // outside of the first and last pixel, which are the nearest still
 constexpr double kCornerCentring = 0.5; // quality of the image's corners against its middle
 
 // Starts of distances: 0 at a step of depth, far elsewhere. The inverse depth of a plane is linear in the image, so its
@@ -76,10 +78,43 @@ std::vector<ColorImage> pyramid(ColorImage image)
 
 double cosine(double degrees) { return std::cos(degrees * std::numbers::pi / 180.0); }
 
-Eigen::Vector2i nearest(const Eigen::Vector2d& pixel)
-{
-    return {static_cast<int>(std::floor(pixel.x() + 0.5)), static_cast<int>(std::floor(pixel.y() + 0.5))};
-}
+// Eight points of a row in an image.
+struct ImageLanes {
+    Floats u, v, z, facing; // pixel, depth [m] and cosine
+    Ints in_image;          // before the camera and within the image
+    Ints nearest;           // pixel, counted by rows
+};
+
+// A row of points before a camera.
+struct RowInImage {
+    const Camera& camera;
+    Eigen::Vector3f first, step, normal;
+
+    RowInImage(const PointRow& points, const Camera& camera_, const Rigid& camera_from_world)
+        : camera(camera_), first((camera_from_world * points.first).cast<float>()),
+          step((camera_from_world.linear() * points.step).cast<float>()),
+          normal((camera_from_world.linear() * points.normal).cast<float>())
+    {
+    }
+    // Points i to i + 7; the image begins and ends `border` pixels inside of its first and last.
+    ImageLanes from(std::size_t i, double border) const
+    {
+        constexpr Floats kCount{0, 1, 2, 3, 4, 5, 6, 7};
+        const auto f = [](double value) { return static_cast<float>(value); };
+        const Floats at = kCount + static_cast<float>(i);
+        const Floats X = first.x() + at * step.x(), Y = first.y() + at * step.y(), Z = first.z() + at * step.z();
+        const Floats u = f(camera.fx) * X / Z + f(camera.cx), v = f(camera.fy) * Y / Z + f(camera.cy);
+        const float right = f(camera.width - 1 - border), bottom = f(camera.height - 1 - border);
+        const Floats toward = -(normal.x() * X + normal.y() * Y + normal.z() * Z);
+        const Ints x = __builtin_convertvector(u + 0.5f, Ints), y = __builtin_convertvector(v + 0.5f, Ints);
+        return {u,
+                v,
+                Z,
+                toward / square_root(X * X + Y * Y + Z * Z),
+                (Z > 0.0f) & (u >= f(border)) & (v >= f(border)) & (u <= right) & (v <= bottom),
+                y * camera.width + x};
+    }
+};
 
 } // namespace
 
@@ -132,30 +167,30 @@ double TextureView::depth_tolerance(double z, double facing, double focal) const
     return std::max(params_.depth_tolerance, kSigmas * params_.depth_noise * z * z) + z / (focal * facing);
 }
 
-TextureView::Aim TextureView::aim(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world,
-                                  Margins margins) const
+void TextureView::aim(const PointRow& points, Margins margins, std::span<Aim> aims) const
 {
-    Aim aim;
-    const Eigen::Vector3d p_color = color_from_world_ * p_world;
-    if (p_color.z() < params_.min_depth || p_color.z() > params_.max_depth) return {};
-    aim.pixel = color_camera_.project(p_color);
-    if (!color_camera_.contains(aim.pixel, limits(margins).border)) return {};
-    aim.facing = -(color_from_world_.linear() * normal_world).dot(p_color) / p_color.norm();
-    if (aim.facing < limits(margins).least_facing) return {};
-    aim.z = p_color.z();
-    const Eigen::Vector2i at = nearest(aim.pixel);
-    aim.drawn = &drawn_.at(at.x(), at.y());
-    __builtin_prefetch(aim.drawn);
-    __builtin_prefetch(&color_[0].at(at.x(), at.y()));
-
-    const Eigen::Vector3d p_depth = depth_from_world_ * p_world;
-    aim.measured_z = p_depth.z();
-    if (!(p_depth.z() > 0.0)) return aim;
-    const Eigen::Vector2i at_depth = nearest(depth_camera_.project(p_depth));
-    if (!measured_.contains(at_depth.x(), at_depth.y())) return aim;
-    aim.measured = &measured_.at(at_depth.x(), at_depth.y());
-    __builtin_prefetch(aim.measured);
-    return aim;
+    const Limits& limit = limits(margins);
+    const RowInImage in_color(points, color_camera_, color_from_world_);
+    const RowInImage in_depth(points, depth_camera_, depth_from_world_);
+    for (std::size_t first = 0; first < aims.size(); first += kFloats) {
+        const ImageLanes color = in_color.from(first, limit.border), depth = in_depth.from(first, -kHalfPixel);
+        const Ints in_reach = (color.z >= static_cast<float>(params_.min_depth)) &
+                              (color.z <= static_cast<float>(params_.max_depth)) &
+                              (color.facing >= static_cast<float>(limit.least_facing));
+        const unsigned in_sight = bits(color.in_image & in_reach), in_depth_image = bits(depth.in_image);
+        for (std::size_t i = 0; i < std::min(kFloats, aims.size() - first); ++i) {
+            Aim& aim = aims[first + i];
+            aim = {};
+            if ((in_sight >> i & 1u) == 0) continue;
+            aim = {{color.u[i], color.v[i]}, color.z[i], color.facing[i], depth.z[i], nullptr, nullptr};
+            aim.drawn = &drawn_.pixels[static_cast<std::size_t>(color.nearest[i])];
+            __builtin_prefetch(aim.drawn);
+            __builtin_prefetch(&color_[0].pixels[static_cast<std::size_t>(color.nearest[i])]);
+            if ((in_depth_image >> i & 1u) == 0 || measured_.pixels.empty()) continue;
+            aim.measured = &measured_.pixels[static_cast<std::size_t>(depth.nearest[i])];
+            __builtin_prefetch(aim.measured);
+        }
+    }
 }
 
 bool TextureView::shows_surface(const Aim& aim, const EdgedDepth& drawn) const

@@ -4,6 +4,7 @@
 #include "bake/bake_texture.h"
 
 #include <optional>
+#include <span>
 #include <vector>
 
 namespace quoin {
@@ -20,6 +21,11 @@ struct Sighting {
 // show this surface of the mesh. Neither lets the measured depth say that something else is there.
 enum class Margins { Safe, Least };
 
+// Points first + i step on a surface [m].
+struct PointRow {
+    Eigen::Vector3d first, step, normal;
+};
+
 class TextureView {
     // A depth [m], 0 where there is none, and its distance to the nearest edge of depth [px of the colour image].
     struct EdgedDepth {
@@ -31,7 +37,7 @@ public:
     TextureView(const BakeInput& input, std::size_t k, const BakeTextureParams& params);
 
     // Where a point is in the images, which have its pixels brought near: aim at some points before asking what is seen
-    // of the first, or every look waits for memory.
+    // of the first, or every look waits for memory. Reckoned in single precision, eight points at once.
     struct Aim {
         Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
         double z = 0.0, facing = 0.0; // depth [m], 0 = outside the image or the depth range, and cosine
@@ -39,7 +45,7 @@ public:
         const EdgedDepth* drawn = nullptr;
         const EdgedDepth* measured = nullptr; // nullptr outside the depth image
     };
-    Aim aim(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world, Margins margins) const;
+    void aim(const PointRow& points, Margins margins, std::span<Aim> aims) const;
 
     // nullopt when the point is out of sight: outside the image or the depth range, turned away, hidden by the mesh or
     // by something the mesh lacks, or too near to an edge of depth, where colours of two surfaces mix.

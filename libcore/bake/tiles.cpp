@@ -133,7 +133,8 @@ TileSamples::Judgement TileSamples::judge_tile(const TextureView& view, std::siz
     double seen = 0.0, quality = 0.0;
     std::array<TextureView::Aim, kSamplesPerTile> aim;
     for (std::size_t i = 0; i < sample_[tile].size(); ++i)
-        aim[i] = view.aim(sample_[tile][i].p_world, sample_[tile][i].normal_world, Margins::Least);
+        view.aim({sample_[tile][i].p_world, Eigen::Vector3d::Zero(), sample_[tile][i].normal_world}, Margins::Least,
+                 std::span(&aim[i], 1));
     for (std::size_t i = 0; i < sample_[tile].size(); ++i) {
         const auto [by_least_margins, sighting] = view.see_by_both(aim[i]);
         judgement.by_least_margins |= by_least_margins;
@@ -170,11 +171,17 @@ RowAims::RowAims(const TextureView& view, const TexelChart& texels, const TexelP
                  const Eigen::Vector2i& first, Margins margins)
     : first_(first.x())
 {
-    const int y = first.y();
-    for (int x = first_; x < std::min(first_ + kTileSize, texels.width()); ++x)
-        if (const auto face = texels.face.at(x, y); face != kNoFace)
-            aim_[static_cast<std::size_t>(x - first_)] =
-                view.aim(positions.world(face, x, y), positions.normal(face), margins);
+    const int y = first.y(), last = std::min(first_ + kTileSize, texels.width());
+    for (int begin = first_, end = begin; begin < last; begin = end) {
+        const auto face = texels.face.at(begin, y);
+        while (end < last && texels.face.at(end, y) == face)
+            ++end;
+        if (face == kNoFace) continue;
+        const Eigen::Vector3d p_world = positions.world(face, begin, y);
+        const PointRow points{p_world, positions.world(face, begin + 1, y) - p_world, positions.normal(face)};
+        view.aim(points, margins,
+                 {&aim_[static_cast<std::size_t>(begin - first_)], static_cast<std::size_t>(end - begin)});
+    }
 }
 
 void keep_last_views_of_gaps(ChartTiles& tiles)

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
 #ifdef __AVX2__
@@ -68,6 +69,18 @@ inline void store_part(const Floats& lanes, float* to, std::size_t count)
     std::memcpy(to, &lanes, std::min(count, kFloats) * sizeof(float));
 }
 #endif
+
+inline Floats square_root(const Floats& lanes)
+{
+#ifdef __AVX2__
+    return _mm256_sqrt_ps(lanes);
+#else
+    Floats result;
+    for (std::size_t i = 0; i < kFloats; ++i)
+        result[i] = std::sqrt(lanes[i]);
+    return result;
+#endif
+}
 
 // Bit i is set where lane i of a comparison holds.
 inline unsigned bits(const Ints& is_true)
