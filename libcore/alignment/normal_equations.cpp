@@ -1,9 +1,13 @@
 #include "alignment/normal_equations.h"
 
+#include "base/parallel.h"
+
 #include <cmath>
 
 namespace quoin {
 namespace {
+
+constexpr std::size_t kCouplingGrain = 512;
 
 void add_depths(NormalEquations& eq, const AlignmentState& state, const DepthSamples& samples, double weight)
 {
@@ -75,6 +79,25 @@ void scatter(const StepLayout& layout, const WeightedLine& line, double value, S
     out.segment<9>(layout.calibration()) += value * line.row.calibration;
 }
 
+void add_depth_product(const NormalEquations& eq, const StepVector& x, StepVector& out)
+{
+    struct Product {
+        Twist pose;
+        Vector3 plane;
+    };
+    std::vector<Product> product(eq.depth.size());
+    const auto multiply = [&](std::size_t i) {
+        const DepthCoupling& pair = eq.depth[i];
+        product[i].pose.noalias() = pair.H * x.segment<3>(eq.layout.plane(pair.plane));
+        product[i].plane.noalias() = pair.H.transpose() * x.segment<6>(eq.layout.pose(pair.frame));
+    };
+    parallel_for(product.size(), multiply, kCouplingGrain);
+    for (std::size_t i = 0; i < product.size(); ++i) {
+        out.segment<6>(eq.layout.pose(eq.depth[i].frame)) += product[i].pose;
+        out.segment<3>(eq.layout.plane(eq.depth[i].plane)) += product[i].plane;
+    }
+}
+
 void clear_fixed(const NormalEquations& eq, StepVector& x)
 {
     for (std::size_t k = 0; k < eq.layout.frames; ++k)
@@ -140,11 +163,7 @@ StepVector NormalEquations::apply(const StepVector& x) const
 {
     StepVector out = StepVector::Zero(layout.size());
     color.add_product(x, out);
-    for (const DepthCoupling& pair : depth) {
-        const auto pose = layout.pose(pair.frame), plane = layout.plane(pair.plane);
-        out.segment<6>(pose).noalias() += pair.H * x.segment<3>(plane);
-        out.segment<3>(plane).noalias() += pair.H.transpose() * x.segment<6>(pose);
-    }
+    add_depth_product(*this, x, out);
     for (const WeightedLine& weighted : line)
         scatter(layout, weighted, product(layout, weighted, x), out);
     for (std::size_t k = 0; k < layout.frames; ++k)

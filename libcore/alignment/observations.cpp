@@ -181,15 +181,22 @@ Observations listed(const std::vector<std::vector<TexelId>>& visible, const std:
                     const std::vector<TexelId>& renumbered)
 {
     Observations result;
-    result.first_of_frame.push_back(0);
-    for (std::uint32_t k = 0; k < visible.size(); ++k) {
-        for (const TexelId t : visible[k])
-            if (keep[t]) {
-                result.texel.push_back(renumbered[t]);
-                result.frame.push_back(k);
-            }
-        result.first_of_frame.push_back(static_cast<std::uint32_t>(result.texel.size()));
-    }
+    result.first_of_frame.assign(visible.size() + 1, 0);
+    const auto is_kept = [&](TexelId t) { return keep[t] != 0; };
+    parallel_for(visible.size(), [&](std::size_t k) {
+        result.first_of_frame[k + 1] = static_cast<std::uint32_t>(std::ranges::count_if(visible[k], is_kept));
+    });
+    std::partial_sum(result.first_of_frame.begin(), result.first_of_frame.end(), result.first_of_frame.begin());
+    result.texel.resize(result.first_of_frame.back());
+    result.frame.resize(result.texel.size());
+    parallel_for(visible.size(), [&](std::size_t k) {
+        std::size_t o = result.first_of_frame[k];
+        for (const TexelId t : visible[k]) {
+            if (!is_kept(t)) continue;
+            result.texel[o] = renumbered[t];
+            result.frame[o++] = static_cast<std::uint32_t>(k);
+        }
+    });
     const std::size_t texel_count = renumbered.empty() ? 0 : renumbered.back() + std::size_t{1};
     result.first_of_texel.assign(texel_count + 1, 0);
     for (const TexelId t : result.texel)
