@@ -27,7 +27,7 @@ struct NormalEquations {
 
     ColorEquations color;
     std::vector<WeightedLine> line;
-    std::vector<DepthCoupling> depth; // of poses and planes; what depths say of either alone is in `own`
+    std::vector<DepthCoupling> depth; // of poses and planes; what depths say of either alone is in the next two
     std::vector<Eigen::Matrix<double, 6, 6>> pose_own; // K, of all terms but colours and lines
     std::vector<Eigen::Matrix3d> plane_own;            // P
     Eigen::Matrix<double, 9, 9> calibration_prior = Eigen::Matrix<double, 9, 9>::Zero();

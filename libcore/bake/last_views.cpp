@@ -3,6 +3,7 @@
 #include "bake/fill.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace quoin {
 

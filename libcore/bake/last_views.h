@@ -6,7 +6,6 @@
 #include "bake/tiles.h"
 
 #include <array>
-#include <optional>
 #include <vector>
 
 namespace quoin {
