@@ -130,7 +130,7 @@ template <class Solver>
 Outcome solve(const Solver& solver, const AlignmentProblem& problem, const AlignmentState& start)
 {
     const CpuTimer timer;
-    const AlignmentState state = solver(problem, start, [](const AlignmentState&) {});
+    const AlignmentState state = solver(problem, start);
     const double seconds = timer.seconds();
     return {fit(problem, state).energy.total(), seconds};
 }
@@ -140,15 +140,17 @@ void align(std::size_t views)
     set_thread_count(1);
     const Wall wall = make_wall(views);
     const AlignmentScene scene = make_scene(wall);
-    const ProblemSource source{scene, wall.state, wall.params.lambda_p, {std::vector<std::uint32_t>(views + 1, 0), {}},
-                               {},    {}};
+    const ProblemSource source{scene, wall.state, wall.params.lambda_p, {}, {}, {}};
     const auto problem =
         make_problem(source, wall.state, 0, wall.params.texel_size * wall.params.texel_stride, TexelChoice::All);
     const auto count = static_cast<double>(problem.observations.size());
     fmt::print("photometric pass at full resolution {:5.1f} ns an observation and core, target {:.0f} ({:.1f} M)\n",
                1e9 * pass_seconds(problem, wall.state) / count, kTargetNanoseconds, 1e-6 * count);
     const Outcome joint = solve(minimize_jointly, problem, wall.state);
-    const Outcome alternating = solve(minimize_alternating, problem, wall.state);
+    const auto alternate = [](const AlignmentProblem& wall_problem, const AlignmentState& start) {
+        return minimize_alternating(wall_problem, start, [](const AlignmentState&) {});
+    };
+    const Outcome alternating = solve(alternate, problem, wall.state);
     fmt::print("joint: energy {:.4g} in {:.2f} s; alternating: energy {:.4g} in {:.2f} s; "
                "target: less in {:.2f} s\n",
                joint.energy, joint.seconds, alternating.energy, alternating.seconds,

@@ -41,10 +41,11 @@ void set_channel_exposures(Alignment& alignment, const ChannelSource& source, co
     });
     const OptimizeTextureParams& params = source.scene.params;
     const auto radius = squared_radii(source.scene, state, source.texels, observations);
-    if (params.optimize_vignetting) alignment.vignetting = estimate_vignetting(observations, radius, channels, params);
+    if (params.optimize_vignetting)
+        alignment.vignetting = estimate_vignetting(observations, radius, channels, state.exposure, params);
     for (std::size_t c = 0; c < 3; ++c) {
-        const auto exposure =
-            estimate_exposures(observations, corrected(channels[c], radius, alignment.vignetting), params);
+        const auto exposure = estimate_exposures(observations, corrected(channels[c], radius, alignment.vignetting),
+                                                 params, state.exposure);
         for (std::size_t k = 0; k < exposure.size(); ++k) {
             alignment.gain[k][static_cast<Eigen::Index>(c)] = static_cast<float>(exposure[k].gain);
             alignment.bias[k][static_cast<Eigen::Index>(c)] = static_cast<float>(exposure[k].bias) * kWhite;

@@ -3,52 +3,21 @@
 #include "base/lanes.h"
 #include "base/parallel.h"
 
-#include <algorithm>
-#include <array>
-
 namespace quoin {
 namespace {
 
-// Calls visit(frame, plane, begin, end) for the samples of every frame on every plane, frames in parallel, and joins
-// the results in order.
-template <class Result, class Visit>
-std::vector<Result> of_all_pairs(const DepthSamples& samples, const Visit& visit)
-{
-    std::vector<std::vector<Result>> of_frame(samples.first_of_frame.empty() ? 0 : samples.first_of_frame.size() - 1);
-    parallel_for(of_frame.size(), [&](std::size_t k) {
-        const std::uint32_t last = samples.first_of_frame[k + 1];
-        for (std::uint32_t begin = samples.first_of_frame[k], end = begin; begin < last; begin = end) {
-            const PlaneId plane = samples.sample[begin].plane;
-            while (end < last && samples.sample[end].plane == plane)
-                ++end;
-            of_frame[k].push_back(visit(static_cast<std::uint32_t>(k), plane, begin, end));
-        }
-    });
-    std::vector<Result> all;
-    for (const auto& frame : of_frame)
-        all.insert(all.end(), frame.begin(), frame.end());
-    return all;
-}
+constexpr std::size_t kDepthGrain = 64;
 
-// Four samples: measured points, residuals and their inverse sigmas.
+// Four samples: measured points, residuals and their inverse sigmas; past the end of a run these are zero.
 struct DepthLanes {
     Doubles x, y, z, inverse_sigma, residual;
 };
 
-// Past the end of a run inverse_sigma is zero, and the last point is repeated.
 [[gnu::always_inline]] inline DepthLanes load_depths(const DepthSamples& samples, std::uint32_t first,
                                                      std::uint32_t end, const Eigen::Vector4d& residual)
 {
-    std::array<double, kDoubles> x, y, z, sigma, is_sample;
-    for (std::uint32_t i = 0; i < kDoubles; ++i) {
-        const DepthSample& sample = samples.sample[std::min(first + i, end - 1)];
-        x[i] = sample.p_camera.x();
-        y[i] = sample.p_camera.y();
-        z[i] = sample.p_camera.z();
-        sigma[i] = sample.sigma;
-        is_sample[i] = first + i < end ? 1.0 : 0.0;
-    }
-    DepthLanes lanes{load(x.data()), load(y.data()), load(z.data()), load(is_sample.data()) / load(sigma.data()), {}};
+    const auto part = [&](const std::vector<float>& values) { return load_doubles(&values[first], end - first); };
+    DepthLanes lanes{part(samples.x), part(samples.y), part(samples.z), part(samples.inverse_sigma), {}};
     lanes.residual = residual[0] * lanes.x + residual[1] * lanes.y + residual[2] * lanes.z + residual[3];
     return lanes;
 }
@@ -61,13 +30,13 @@ struct DepthMoments {
     Eigen::Vector4d first;  // of residual y
 };
 
-DepthMoments depth_moments(const DepthSamples& samples, std::uint32_t begin, std::uint32_t end,
-                           const Eigen::Vector4d& residual, double huber)
+DepthMoments depth_moments(const DepthSamples& samples, const ObservationRun& run, const Eigen::Vector4d& residual,
+                           double huber)
 {
     const Doubles one_each = Doubles{} + 1.0;
     Doubles xx{}, xy{}, xz{}, x{}, yy{}, yz{}, y{}, zz{}, z{}, one{}, rx{}, ry{}, rz{}, r{};
-    for (std::uint32_t i = begin; i < end; i += kDoubles) {
-        const DepthLanes s = load_depths(samples, i, end, residual);
+    for (std::uint32_t i = run.begin; i < run.end; i += kDoubles) {
+        const DepthLanes s = load_depths(samples, i, run.end, residual);
         const Doubles size = absolute(s.residual * s.inverse_sigma);
         const Doubles weight = s.inverse_sigma * s.inverse_sigma * (size > huber ? huber / size : one_each);
         const Doubles wx = weight * s.x, wy = weight * s.y, wz = weight * s.z;
@@ -93,12 +62,11 @@ DepthMoments depth_moments(const DepthSamples& samples, std::uint32_t begin, std
     return moments;
 }
 
-double depth_cost(const DepthSamples& samples, std::uint32_t begin, std::uint32_t end, const Eigen::Vector4d& residual,
-                  double huber)
+double depth_cost(const DepthSamples& samples, const ObservationRun& run, const Eigen::Vector4d& residual, double huber)
 {
     Doubles cost{};
-    for (std::uint32_t i = begin; i < end; i += kDoubles) {
-        const DepthLanes s = load_depths(samples, i, end, residual);
+    for (std::uint32_t i = run.begin; i < run.end; i += kDoubles) {
+        const DepthLanes s = load_depths(samples, i, run.end, residual);
         const Doubles size = absolute(s.residual * s.inverse_sigma);
         cost += size <= huber ? size * size : huber * (2.0 * size - huber);
     }
@@ -132,21 +100,31 @@ DepthRows depth_rows(const Rigid& camera_from_world, const CenteredPlane& plane,
 
 std::vector<PairBlock> depth_blocks(const AlignmentState& state, const DepthSamples& samples, double huber)
 {
-    return of_all_pairs<
-        PairBlock>(samples, [&](std::uint32_t k, PlaneId p, std::uint32_t begin, std::uint32_t end) -> PairBlock {
-        const DepthRows rows = depth_rows(state.camera_from_world[k], state.plane[p], state.plane[p].tangents());
-        const DepthMoments moments = depth_moments(samples, begin, end, rows.residual, huber);
-        return {k, p, rows.derivative * moments.second * rows.derivative.transpose(), rows.derivative * moments.first};
-    });
+    std::vector<PairBlock> blocks(samples.run.size());
+    const auto visit = [&](std::size_t r) {
+        const ObservationRun& run = samples.run[r];
+        const CenteredPlane& plane = state.plane[run.plane];
+        const DepthRows rows = depth_rows(state.camera_from_world[run.frame], plane, plane.tangents());
+        const DepthMoments moments = depth_moments(samples, run, rows.residual, huber);
+        blocks[r].frame = run.frame;
+        blocks[r].plane = run.plane;
+        blocks[r].H.noalias() = rows.derivative * (moments.second * rows.derivative.transpose()).eval();
+        blocks[r].g.noalias() = rows.derivative * moments.first;
+    };
+    parallel_for(blocks.size(), visit, kDepthGrain);
+    return blocks;
 }
 
 std::vector<PairCost> depth_costs(const AlignmentState& state, const DepthSamples& samples, double huber)
 {
-    return of_all_pairs<PairCost>(
-        samples, [&](std::uint32_t k, PlaneId p, std::uint32_t begin, std::uint32_t end) -> PairCost {
-            const Eigen::Vector4d residual = depth_residual(state.camera_from_world[k], state.plane[p]);
-            return {k, p, depth_cost(samples, begin, end, residual, huber)};
-        });
+    std::vector<PairCost> costs(samples.run.size());
+    const auto visit = [&](std::size_t r) {
+        const ObservationRun& run = samples.run[r];
+        const Eigen::Vector4d residual = depth_residual(state.camera_from_world[run.frame], state.plane[run.plane]);
+        costs[r] = {run.frame, run.plane, depth_cost(samples, run, residual, huber)};
+    };
+    parallel_for(costs.size(), visit, kDepthGrain);
+    return costs;
 }
 
 } // namespace quoin

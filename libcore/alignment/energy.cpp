@@ -1,5 +1,6 @@
 #include "alignment/energy.h"
 
+#include "alignment/exposure.h"
 #include "base/parallel.h"
 #include "geometry/units.h"
 
@@ -106,19 +107,6 @@ BlockEnergies energies_of_grays(const AlignmentProblem& problem, const Alignment
     return result;
 }
 
-// Observed greys in the exposure of their frames.
-std::vector<float> corrected(const Observations& observations, const std::vector<float>& observed,
-                             const std::vector<Exposure>& exposure)
-{
-    std::vector<float> gray(observed.size());
-    for (std::size_t k = 0; k < exposure.size(); ++k) {
-        const auto gain = static_cast<float>(exposure[k].gain), bias = static_cast<float>(exposure[k].bias);
-        for (std::uint32_t o = observations.first_of_frame[k]; o < observations.first_of_frame[k + 1]; ++o)
-            gray[o] = gain * observed[o] + bias;
-    }
-    return gray;
-}
-
 } // namespace
 
 GraySamples sample_grays(const AlignmentProblem& problem, const AlignmentState& state)
@@ -130,7 +118,7 @@ Fit fit(const AlignmentProblem& problem, AlignmentState state)
 {
     Fit result;
     result.samples = sample_grays(problem, state);
-    const auto gray = corrected(problem.observations, result.samples.value, state.exposure);
+    const auto gray = exposed(problem.observations, result.samples.value, state.exposure);
     result.color = texel_colors(problem.observations, gray, problem.scene.params.huber_color, kReweightings);
     result.energy = energies_of_grays(problem, state, gray, result.color).sum;
     result.state = std::move(state);
@@ -139,7 +127,7 @@ Fit fit(const AlignmentProblem& problem, AlignmentState state)
 
 Fit with_exposures(const AlignmentProblem& problem, Fit before, std::vector<Exposure> exposure)
 {
-    const auto gray = corrected(problem.observations, before.samples.value, exposure);
+    const auto gray = exposed(problem.observations, before.samples.value, exposure);
     auto color = texel_colors(problem.observations, gray, problem.scene.params.huber_color, kReweightings);
     double energy = 0.0;
     for (const PairCost& pair : color_costs(problem, gray, color))
@@ -154,8 +142,7 @@ Fit with_exposures(const AlignmentProblem& problem, Fit before, std::vector<Expo
 BlockEnergies energies(const AlignmentProblem& problem, const AlignmentState& state, const GraySamples& samples,
                        const std::vector<float>& texel_color)
 {
-    return energies_of_grays(problem, state, corrected(problem.observations, samples.value, state.exposure),
-                             texel_color);
+    return energies_of_grays(problem, state, exposed(problem.observations, samples.value, state.exposure), texel_color);
 }
 
 CalibrationBlock calibration_prior(const OptimizeTextureParams& params, const ColorCamera& color,

@@ -1,11 +1,13 @@
 #include "alignment/exposure.h"
 
 #include "alignment/photometric.h"
+#include "base/lanes.h"
 #include "base/parallel.h"
 
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace quoin {
 namespace {
@@ -13,11 +15,12 @@ namespace {
 constexpr double kMinGain = 0.05; // a gain of zero would explain everything
 constexpr int kExposureReweightings = 2;
 constexpr std::size_t kWeighGrain = 4096;
+constexpr double kSettled = 1e-4; // gains and biases that change less are not estimated again
 
-// One channel of an observation and its robust weight.
+// One channel of an observation, times its robust weight, and the weight.
 struct WeightedView {
     std::uint32_t frame;
-    float observed, weight;
+    float weighted, weight;
 };
 
 // All observations by texel, and inside a texel by frame: view[i] is observation of_texel[i].
@@ -31,19 +34,15 @@ struct WeightedViews {
 WeightedViews weighted_views(const Observations& observations, const std::vector<float>& observed,
                              const std::vector<Exposure>& exposure, double huber)
 {
-    std::vector<float> corrected(observed.size());
-    for (std::size_t o = 0; o < observed.size(); ++o) {
-        const Exposure& e = exposure[observations.frame[o]];
-        corrected[o] = static_cast<float>(e.gain * observed[o] + e.bias);
-    }
-    const auto color = texel_colors(observations, corrected, huber, kExposureReweightings);
+    const auto gray = exposed(observations, observed, exposure);
+    const auto color = texel_colors(observations, gray, huber, kExposureReweightings);
     WeightedViews views{observations, std::vector<WeightedView>(observed.size()),
                         std::vector<std::uint32_t>(observed.size()), std::vector<float>(color.size(), 0.0f)};
     const auto weigh = [&](std::size_t t) {
         for (std::uint32_t i = observations.first_of_texel[t]; i < observations.first_of_texel[t + 1]; ++i) {
             const std::uint32_t o = observations.of_texel[i];
-            const auto weight = static_cast<float>(huber_weight(corrected[o] - color[t], huber));
-            views.view[i] = {observations.frame[o], observed[o], weight};
+            const auto weight = static_cast<float>(huber_weight(gray[o] - color[t], huber));
+            views.view[i] = {observations.frame[o], weight * observed[o], weight};
             views.place[o] = i;
             views.texel_weight[t] += weight;
         }
@@ -52,27 +51,36 @@ WeightedViews weighted_views(const Observations& observations, const std::vector
     return views;
 }
 
+using Quad = float __attribute__((vector_size(16)));
+
+// (weighted, weight) of a view, twice: one instruction loads them.
+Quad twice(const WeightedView& view)
+{
+    using Pair = double __attribute__((vector_size(16)));
+    double both;
+    std::memcpy(&both, &view.weighted, sizeof both);
+    return reinterpret_cast<Quad>(Pair{both, both});
+}
+
 // Two columns of the normal matrix of sum w (v - mean v)^2 over all texels, v = gain I + bias: the lower half of those
 // of frame k.
-void add_frame(Eigen::MatrixXd& A, const WeightedViews& views, std::size_t k)
+void add_frame(Eigen::MatrixXd& A, const WeightedViews& views, const std::vector<float>& observed, std::size_t k)
 {
     const Observations& observations = views.observations;
-    std::vector<Eigen::Array4d> with(observations.first_of_frame.size() - 1, Eigen::Array4d::Zero());
+    std::vector<Doubles> with(observations.first_of_frame.size() - 1, Doubles{});
     for (std::uint32_t o = observations.first_of_frame[k]; o < observations.first_of_frame[k + 1]; ++o) {
         const TexelId t = observations.texel[o];
         const std::uint32_t place = views.place[o];
-        const double I = views.view[place].observed, weight = views.view[place].weight;
-        with[k] += weight * Eigen::Array4d(I * I, I, I, 1.0);
-        const Eigen::Array4d mine = weight / views.texel_weight[t] * Eigen::Array4d(I, I, 1.0, 1.0);
-        for (std::uint32_t i = place; i < observations.first_of_texel[t + 1]; ++i) {
-            const WeightedView& other = views.view[i];
-            const double J = other.observed;
-            with[other.frame] -= other.weight * (mine * Eigen::Array4d(J, 1.0, J, 1.0));
-        }
+        const double I = observed[o], weight = views.view[place].weight;
+        with[k] += weight * Doubles{I * I, I, I, 1.0};
+        const float part = views.view[place].weight / views.texel_weight[t], mine = part * observed[o];
+        const Quad by_mine{mine, mine, part, part};
+        for (std::uint32_t i = place; i < observations.first_of_texel[t + 1]; ++i)
+            with[views.view[i].frame] -= __builtin_convertvector(by_mine * twice(views.view[i]), Doubles);
     }
     auto columns = A.middleCols<2>(static_cast<Eigen::Index>(2 * k));
     for (std::size_t l = k; l < with.size(); ++l)
-        columns.middleRows<2>(static_cast<Eigen::Index>(2 * l)) = Eigen::Map<const Eigen::Matrix2d>(with[l].data());
+        columns.middleRows<2>(static_cast<Eigen::Index>(2 * l)) << with[l][0], with[l][2], with[l][1], with[l][3];
 }
 
 // Only relative exposures can be seen, and a darker picture has smaller differences: the means are held by equations
@@ -97,12 +105,13 @@ Eigen::VectorXd add_prior_and_means(Eigen::MatrixXd& A, const WeightedViews& vie
     return b;
 }
 
-std::vector<Exposure> solve(const WeightedViews& views, const OptimizeTextureParams& params)
+std::vector<Exposure> solve(const WeightedViews& views, const std::vector<float>& observed,
+                            const OptimizeTextureParams& params)
 {
     const std::size_t frames = views.observations.first_of_frame.size() - 1;
     Eigen::MatrixXd A =
         Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(2 * frames), static_cast<Eigen::Index>(2 * frames));
-    parallel_for(frames, [&](std::size_t k) { add_frame(A, views, k); });
+    parallel_for(frames, [&](std::size_t k) { add_frame(A, views, observed, k); });
     const Eigen::VectorXd b = add_prior_and_means(A, views, params);
     const Eigen::LLT<Eigen::MatrixXd> factor = A.selfadjointView<Eigen::Lower>().llt();
     if (factor.info() != Eigen::Success) return std::vector<Exposure>(frames);
@@ -128,18 +137,38 @@ void normalize(std::vector<Exposure>& exposure)
         e.bias -= bias;
 }
 
+bool has_settled(const std::vector<Exposure>& before, const std::vector<Exposure>& after)
+{
+    return std::ranges::equal(before, after, [](const Exposure& a, const Exposure& b) {
+        return std::abs(a.gain - b.gain) < kSettled && std::abs(a.bias - b.bias) < kSettled;
+    });
+}
+
 } // namespace
 
 std::vector<Exposure> estimate_exposures(const Observations& observations, const std::vector<float>& observed,
-                                         const OptimizeTextureParams& params)
+                                         const OptimizeTextureParams& params, std::vector<Exposure> start)
 {
-    std::vector<Exposure> exposure(observations.first_of_frame.size() - 1);
-    if (observations.size() == 0) return exposure;
+    if (observations.size() == 0) return std::vector<Exposure>(start.size());
     for (int round = 0; round < params.exposure_rounds; ++round) {
-        exposure = solve(weighted_views(observations, observed, exposure, params.huber_color), params);
+        auto exposure = solve(weighted_views(observations, observed, start, params.huber_color), observed, params);
         normalize(exposure);
+        std::swap(start, exposure);
+        if (has_settled(exposure, start)) break;
     }
-    return exposure;
+    return start;
+}
+
+std::vector<float> exposed(const Observations& observations, const std::vector<float>& observed,
+                           const std::vector<Exposure>& exposure)
+{
+    std::vector<float> gray(observed.size());
+    parallel_for(exposure.size(), [&](std::size_t k) {
+        const auto gain = static_cast<float>(exposure[k].gain), bias = static_cast<float>(exposure[k].bias);
+        for (std::uint32_t o = observations.first_of_frame[k]; o < observations.first_of_frame[k + 1]; ++o)
+            gray[o] = gain * observed[o] + bias;
+    });
+    return gray;
 }
 
 } // namespace quoin

@@ -68,7 +68,7 @@ void add_line_depths(const AlignmentScene& scene, const AlignmentState& state, s
         if (z <= 0.0 || images.near_edge.at(x, y) || std::abs(z - expected.z()) > scene.params.depth_gate) continue;
         const Eigen::Vector3f p = (scene.depth_camera.ray({x, y}) * z).cast<float>();
         for (const PlaneId plane : match.planes)
-            samples.push_back({p, plane, static_cast<float>(scene.depth_sigma(z))});
+            samples.push_back({p, plane, static_cast<float>(1.0 / scene.depth_sigma(z))});
     }
 }
 
@@ -136,12 +136,8 @@ DepthSamples line_depths(const AlignmentScene& scene, const AlignmentState& stat
         add_line_depths(scene, state, *k, match, of_frame[*k]);
     }
     DepthSamples result;
-    result.first_of_frame.push_back(0);
-    for (auto& frame : of_frame) {
-        std::ranges::stable_sort(frame, {}, &DepthSample::plane);
-        result.sample.insert(result.sample.end(), frame.begin(), frame.end());
-        result.first_of_frame.push_back(static_cast<std::uint32_t>(result.sample.size()));
-    }
+    for (std::uint32_t k = 0; k < of_frame.size(); ++k)
+        result.add(k, std::move(of_frame[k]));
     return result;
 }
 

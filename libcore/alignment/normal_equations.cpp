@@ -1,19 +1,23 @@
 #include "alignment/normal_equations.h"
 
+#include "base/parallel.h"
+
 #include <cmath>
 
 namespace quoin {
 namespace {
 
-using Vector9 = Eigen::Matrix<double, 9, 1>;
+constexpr std::size_t kCouplingGrain = 512;
 
-void add_depth_blocks(NormalEquations& eq, const AlignmentState& state, const DepthSamples& samples, double weight)
+void add_depths(NormalEquations& eq, const AlignmentState& state, const DepthSamples& samples, double weight)
 {
-    if (weight == 0.0 || samples.sample.empty()) return;
-    for (PairBlock& block : depth_blocks(state, samples, eq.problem->scene.params.huber_depth)) {
-        block.H *= weight;
-        block.g *= weight;
-        eq.depth.push_back(block);
+    if (weight == 0.0) return;
+    for (const PairBlock& block : depth_blocks(state, samples, eq.problem->scene.params.huber_depth)) {
+        eq.pose_own[block.frame] += weight * block.H.topLeftCorner<6, 6>();
+        eq.plane_own[block.plane] += weight * block.H.bottomRightCorner<3, 3>();
+        eq.gradient.segment<6>(eq.layout.pose(block.frame)) += weight * block.g.head<6>();
+        eq.gradient.segment<3>(eq.layout.plane(block.plane)) += weight * block.g.tail<3>();
+        eq.depth.push_back({block.frame, block.plane, weight * block.H.topRightCorner<6, 3>()});
     }
 }
 
@@ -45,13 +49,13 @@ void add_priors(NormalEquations& eq, const AlignmentState& state)
     eq.gradient = StepVector::Zero(eq.layout.size());
     for (std::size_t k = 0; k < eq.layout.frames; ++k) {
         const PoseBlock block = prior_block(prior, state.camera_from_world[k], problem.input.camera_from_world[k]);
-        eq.pose_prior.push_back(problem.prior_weight[k] * block.H);
+        eq.pose_own.push_back(problem.prior_weight[k] * block.H);
         eq.gradient.segment<6>(eq.layout.pose(k)) += problem.prior_weight[k] * block.g;
     }
     const double weight = problem.lambda_p / (params.sigma_plane * params.sigma_plane);
     for (std::size_t p = 0; p < eq.layout.planes; ++p) {
         const PlaneBlock block = plane_block(problem.scatter[p], state.plane[p]);
-        eq.plane_prior.push_back(weight * block.H);
+        eq.plane_own.push_back(weight * block.H);
         eq.gradient.segment<3>(eq.layout.plane(p)) += weight * block.g;
     }
     const CalibrationBlock block = calibration_prior(params, state.color, problem.input.color);
@@ -75,6 +79,25 @@ void scatter(const StepLayout& layout, const WeightedLine& line, double value, S
     out.segment<9>(layout.calibration()) += value * line.row.calibration;
 }
 
+void add_depth_product(const NormalEquations& eq, const StepVector& x, StepVector& out)
+{
+    struct Product {
+        Twist pose;
+        Vector3 plane;
+    };
+    std::vector<Product> product(eq.depth.size());
+    const auto multiply = [&](std::size_t i) {
+        const DepthCoupling& pair = eq.depth[i];
+        product[i].pose.noalias() = pair.H * x.segment<3>(eq.layout.plane(pair.plane));
+        product[i].plane.noalias() = pair.H.transpose() * x.segment<6>(eq.layout.pose(pair.frame));
+    };
+    parallel_for(product.size(), multiply, kCouplingGrain);
+    for (std::size_t i = 0; i < product.size(); ++i) {
+        out.segment<6>(eq.layout.pose(eq.depth[i].frame)) += product[i].pose;
+        out.segment<3>(eq.layout.plane(eq.depth[i].plane)) += product[i].plane;
+    }
+}
+
 void clear_fixed(const NormalEquations& eq, StepVector& x)
 {
     for (std::size_t k = 0; k < eq.layout.frames; ++k)
@@ -87,10 +110,6 @@ void clear_fixed(const NormalEquations& eq, StepVector& x)
 void finish_gradient(NormalEquations& eq, std::vector<float> residual)
 {
     eq.color.add_gradient(std::move(residual), eq.gradient);
-    for (const PairBlock& block : eq.depth) {
-        eq.gradient.segment<6>(eq.layout.pose(block.frame)) += block.g.head<6>();
-        eq.gradient.segment<3>(eq.layout.plane(block.plane)) += block.g.tail<3>();
-    }
     for (const WeightedLine& line : eq.line)
         scatter(eq.layout, line, line.row.residual, eq.gradient);
     clear_fixed(eq, eq.gradient);
@@ -103,13 +122,9 @@ void finish_blocks(NormalEquations& eq)
     eq.plane_block = std::move(color.plane);
     eq.calibration_block = color.calibration + eq.calibration_prior;
     for (std::size_t k = 0; k < eq.layout.frames; ++k)
-        eq.pose_block[k] += eq.pose_prior[k];
+        eq.pose_block[k] += eq.pose_own[k];
     for (std::size_t p = 0; p < eq.layout.planes; ++p)
-        eq.plane_block[p] += eq.plane_prior[p];
-    for (const PairBlock& block : eq.depth) {
-        eq.pose_block[block.frame] += block.H.topLeftCorner<6, 6>();
-        eq.plane_block[block.plane] += block.H.bottomRightCorner<3, 3>();
-    }
+        eq.plane_block[p] += eq.plane_own[p];
     for (const WeightedLine& line : eq.line) {
         eq.pose_block[line.line->frame] += line.row.pose * line.row.pose.transpose();
         for (const std::size_t i : {0, 1})
@@ -135,10 +150,10 @@ NormalEquations linearize(const AlignmentProblem& problem, const AlignmentState&
     eq.calibrate = problem.color_camera_is_free;
     auto residual = color_residuals(problem, state, samples, texel_color);
     eq.color = color_equations(problem, state, samples, residual, colors);
-    add_depth_blocks(eq, state, problem.depths, params.lambda_d);
-    add_depth_blocks(eq, state, problem.line_depths, params.lambda_t);
-    add_lines(eq, state);
     add_priors(eq, state);
+    add_depths(eq, state, problem.depths, params.lambda_d);
+    add_depths(eq, state, problem.line_depths, params.lambda_t);
+    add_lines(eq, state);
     finish_gradient(eq, std::move(residual));
     finish_blocks(eq);
     return eq;
@@ -148,20 +163,13 @@ StepVector NormalEquations::apply(const StepVector& x) const
 {
     StepVector out = StepVector::Zero(layout.size());
     color.add_product(x, out);
-    for (const PairBlock& block : depth) {
-        Vector9 pair;
-        pair.head<6>() = x.segment<6>(layout.pose(block.frame));
-        pair.tail<3>() = x.segment<3>(layout.plane(block.plane));
-        const Vector9 product = block.H * pair;
-        out.segment<6>(layout.pose(block.frame)) += product.head<6>();
-        out.segment<3>(layout.plane(block.plane)) += product.tail<3>();
-    }
+    add_depth_product(*this, x, out);
     for (const WeightedLine& weighted : line)
         scatter(layout, weighted, product(layout, weighted, x), out);
     for (std::size_t k = 0; k < layout.frames; ++k)
-        out.segment<6>(layout.pose(k)) += pose_prior[k] * x.segment<6>(layout.pose(k));
+        out.segment<6>(layout.pose(k)) += pose_own[k] * x.segment<6>(layout.pose(k));
     for (std::size_t p = 0; p < layout.planes; ++p)
-        out.segment<3>(layout.plane(p)) += plane_prior[p] * x.segment<3>(layout.plane(p));
+        out.segment<3>(layout.plane(p)) += plane_own[p] * x.segment<3>(layout.plane(p));
     out.segment<9>(layout.calibration()) += calibration_prior * x.segment<9>(layout.calibration());
     clear_fixed(*this, out);
     return out;

@@ -13,16 +13,23 @@ struct WeightedLine {
     LineRow row; // times the square root of its weight
 };
 
+// The part of H that depths tie a frame and a plane by.
+struct DepthCoupling {
+    std::uint32_t frame = 0;
+    PlaneId plane = kNoPlane;
+    Eigen::Matrix<double, 6, 3> H;
+};
+
 struct NormalEquations {
     const AlignmentProblem* problem = nullptr;
     StepLayout layout;
     bool calibrate = false;
 
     ColorEquations color;
-    std::vector<PairBlock> depth; // weighted
     std::vector<WeightedLine> line;
-    std::vector<Eigen::Matrix<double, 6, 6>> pose_prior; // of the terms in one pose or one plane alone
-    std::vector<Eigen::Matrix3d> plane_prior;
+    std::vector<DepthCoupling> depth; // of poses and planes; what depths say of either alone is in the next two
+    std::vector<Eigen::Matrix<double, 6, 6>> pose_own; // K, of all terms but colours and lines
+    std::vector<Eigen::Matrix3d> plane_own;            // P
     Eigen::Matrix<double, 9, 9> calibration_prior = Eigen::Matrix<double, 9, 9>::Zero();
 
     StepVector gradient;

@@ -1,10 +1,12 @@
 #include "alignment/observations.h"
 
+#include "base/lanes.h"
 #include "base/parallel.h"
 #include "image/sampling.h"
 #include "render/rasterize.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 
@@ -93,7 +95,6 @@ bool agrees_with_depth(const FrameView& view, const Vector3& p_depth)
     return z <= 0.0 || std::abs(z - p_depth.z()) <= tolerance;
 }
 
-// Most texels of a plane fall to the first two tests.
 bool sees(const FrameView& view, const PlaneView& plane, const Eigen::Vector3f& p_world)
 {
     const OptimizeTextureParams& params = view.scene.params;
@@ -110,15 +111,66 @@ bool sees(const FrameView& view, const PlaneView& plane, const Eigen::Vector3f& 
     return gray >= params.saturation && gray <= 1.0 - params.saturation;
 }
 
-std::vector<TexelId> visible_texels(const FrameView& view, const AlignmentState& state, const Texels& texels)
+// Coordinates of all texels, each by itself [m].
+struct TexelLanes {
+    std::vector<float> x, y, z;
+};
+
+TexelLanes texel_lanes(const Texels& texels)
+{
+    TexelLanes lanes;
+    for (const Eigen::Vector3f& p : texels.p_world) {
+        lanes.x.push_back(p.x());
+        lanes.y.push_back(p.y());
+        lanes.z.push_back(p.z());
+    }
+    return lanes;
+}
+
+// Which points lie before the camera and within its image? In single precision, and so with some room: most texels of a
+// plane fall to this test, and the others are asked again.
+struct Frustum {
+    static constexpr float kRoom = 1.0f; // [px]
+    Eigen::Matrix<float, 3, 4> color_from_point;
+    float fx, fy, left, right, top, bottom; // the borders from the principal point [px]
+
+    Frustum(const Camera& camera, const Eigen::Affine3d& color_from_point_)
+        : color_from_point(color_from_point_.matrix().topRows<3>().cast<float>()), fx(static_cast<float>(camera.fx)),
+          fy(static_cast<float>(camera.fy)), left(static_cast<float>(-camera.cx) - kRoom),
+          right(static_cast<float>(camera.width - camera.cx) + kRoom), top(static_cast<float>(-camera.cy) - kRoom),
+          bottom(static_cast<float>(camera.height - camera.cy) + kRoom)
+    {
+    }
+    // A bit for each of the first eight of `count` points from `first` on.
+    unsigned may_show(const TexelLanes& points, std::size_t first, std::size_t count) const
+    {
+        const Floats x = load_part(&points.x[first], count), y = load_part(&points.y[first], count);
+        const Floats z = load_part(&points.z[first], count);
+        const auto row = [&](int i) {
+            const auto A = color_from_point.row(i);
+            return A[0] * x + A[1] * y + A[2] * z + A[3];
+        };
+        const Floats X = fx * row(0), Y = fy * row(1), Z = row(2);
+        const Ints shown = (Z > 0.0f) & (X > left * Z) & (X < right * Z) & (Y > top * Z) & (Y < bottom * Z);
+        return bits(shown) & ((1u << std::min(count, kFloats)) - 1u);
+    }
+};
+
+std::vector<TexelId> visible_texels(const FrameView& view, const AlignmentState& state, const Texels& texels,
+                                    const TexelLanes& lanes)
 {
     std::vector<TexelId> visible;
     for (PlaneId p = 0; p < state.plane.size(); ++p) {
         if (!view.has_plane[p]) continue;
         const PlaneView plane = plane_view(view, state.plane[p], p);
         if (plane.distance < 0.0) continue;
-        for (TexelId t = texels.first_of_plane[p]; t < texels.first_of_plane[p + 1]; ++t)
-            if (sees(view, plane, texels.p_world[t])) visible.push_back(t);
+        const Frustum frustum(view.level_camera, plane.color_from_point);
+        const TexelId end = texels.first_of_plane[p + 1];
+        for (TexelId first = texels.first_of_plane[p]; first < end; first += kFloats)
+            for (unsigned shown = frustum.may_show(lanes, first, end - first); shown != 0; shown &= shown - 1) {
+                const TexelId t = first + static_cast<TexelId>(std::countr_zero(shown));
+                if (sees(view, plane, texels.p_world[t])) visible.push_back(t);
+            }
     }
     return visible;
 }
@@ -129,15 +181,22 @@ Observations listed(const std::vector<std::vector<TexelId>>& visible, const std:
                     const std::vector<TexelId>& renumbered)
 {
     Observations result;
-    result.first_of_frame.push_back(0);
-    for (std::uint32_t k = 0; k < visible.size(); ++k) {
-        for (const TexelId t : visible[k])
-            if (keep[t]) {
-                result.texel.push_back(renumbered[t]);
-                result.frame.push_back(k);
-            }
-        result.first_of_frame.push_back(static_cast<std::uint32_t>(result.texel.size()));
-    }
+    result.first_of_frame.assign(visible.size() + 1, 0);
+    const auto is_kept = [&](TexelId t) { return keep[t] != 0; };
+    parallel_for(visible.size(), [&](std::size_t k) {
+        result.first_of_frame[k + 1] = static_cast<std::uint32_t>(std::ranges::count_if(visible[k], is_kept));
+    });
+    std::partial_sum(result.first_of_frame.begin(), result.first_of_frame.end(), result.first_of_frame.begin());
+    result.texel.resize(result.first_of_frame.back());
+    result.frame.resize(result.texel.size());
+    parallel_for(visible.size(), [&](std::size_t k) {
+        std::size_t o = result.first_of_frame[k];
+        for (const TexelId t : visible[k]) {
+            if (!is_kept(t)) continue;
+            result.texel[o] = renumbered[t];
+            result.frame[o++] = static_cast<std::uint32_t>(k);
+        }
+    });
     const std::size_t texel_count = renumbered.empty() ? 0 : renumbered.back() + std::size_t{1};
     result.first_of_texel.assign(texel_count + 1, 0);
     for (const TexelId t : result.texel)
@@ -160,7 +219,7 @@ DepthSample sample_depth(const AlignmentScene& scene, const KeyframeImages& imag
     const double sigma = scene.depth_sigma(z);
     if (std::abs(seen.depth.at(u, v) - z) > std::max(scene.params.depth_gate, 3.0 * sigma)) return {};
     const Vector3 p = scene.depth_camera.ray({x, y}) * z;
-    return {p.cast<float>(), scene.mesh.face_plane[seen.face.at(u, v)], static_cast<float>(sigma)};
+    return {p.cast<float>(), scene.mesh.face_plane[seen.face.at(u, v)], static_cast<float>(1.0 / sigma)};
 }
 
 std::vector<DepthSample> sample_frame(const AlignmentScene& scene, const AlignmentState& state, std::size_t k)
@@ -179,7 +238,6 @@ std::vector<DepthSample> sample_frame(const AlignmentScene& scene, const Alignme
             const Vector3 p = sample.p_camera.cast<double>();
             if (-normal.dot(p) >= scene.params.min_cosine * p.norm()) samples.push_back(sample);
         }
-    std::ranges::stable_sort(samples, {}, &DepthSample::plane);
     return samples;
 }
 
@@ -188,8 +246,10 @@ std::vector<DepthSample> sample_frame(const AlignmentScene& scene, const Alignme
 Observations observe(const AlignmentScene& scene, const AlignmentState& state, const Texels& texels, int level)
 {
     std::vector<std::vector<TexelId>> visible(scene.frames());
-    parallel_for(visible.size(),
-                 [&](std::size_t k) { visible[k] = visible_texels(look(scene, state, k, level), state, texels); });
+    const TexelLanes lanes = texel_lanes(texels);
+    parallel_for(visible.size(), [&](std::size_t k) {
+        visible[k] = visible_texels(look(scene, state, k, level), state, texels, lanes);
+    });
     std::vector<std::uint32_t> views(texels.size(), 0);
     for (const auto& frame : visible)
         for (const TexelId t : frame)
@@ -201,16 +261,28 @@ Observations observe(const AlignmentScene& scene, const AlignmentState& state, c
     return listed(visible, shared, same);
 }
 
+void DepthSamples::add(std::uint32_t frame, std::vector<DepthSample> samples)
+{
+    std::ranges::stable_sort(samples, {}, &DepthSample::plane);
+    for (const DepthSample& sample : samples) {
+        const auto at = static_cast<std::uint32_t>(size());
+        if (run.empty() || run.back().frame != frame || run.back().plane != sample.plane)
+            run.push_back({frame, at, at, sample.plane});
+        run.back().end = at + 1;
+        x.push_back(sample.p_camera.x());
+        y.push_back(sample.p_camera.y());
+        z.push_back(sample.p_camera.z());
+        inverse_sigma.push_back(sample.inverse_sigma);
+    }
+}
+
 DepthSamples sample_depths(const AlignmentScene& scene, const AlignmentState& state)
 {
     std::vector<std::vector<DepthSample>> samples(scene.frames());
     parallel_for(samples.size(), [&](std::size_t k) { samples[k] = sample_frame(scene, state, k); });
     DepthSamples result;
-    result.first_of_frame.push_back(0);
-    for (const auto& frame : samples) {
-        result.sample.insert(result.sample.end(), frame.begin(), frame.end());
-        result.first_of_frame.push_back(static_cast<std::uint32_t>(result.sample.size()));
-    }
+    for (std::uint32_t k = 0; k < samples.size(); ++k)
+        result.add(k, std::move(samples[k]));
     return result;
 }
 

@@ -21,15 +21,25 @@ struct Observations {
     std::uint32_t views(TexelId t) const { return first_of_texel[t + 1] - first_of_texel[t]; }
 };
 
+// Consecutive observations, or depths, of one frame on one plane.
+struct ObservationRun {
+    std::uint32_t frame = 0, begin = 0, end = 0;
+    PlaneId plane = kNoPlane;
+};
+
 // A measured depth that lies on a plane of the mesh.
 struct DepthSample {
     Eigen::Vector3f p_camera; // depth camera [m]
     PlaneId plane = kNoPlane;
-    float sigma = 1.0f; // [m]
+    float inverse_sigma = 1.0f; // [1/m]
 };
 struct DepthSamples {
-    std::vector<std::uint32_t> first_of_frame; // K + 1
-    std::vector<DepthSample> sample;           // by frame, then plane
+    std::vector<ObservationRun> run;  // by frame, then plane
+    std::vector<float> x, y, z;       // of every sample: p_camera
+    std::vector<float> inverse_sigma; // [1/m]
+
+    std::size_t size() const { return x.size(); }
+    void add(std::uint32_t frame, std::vector<DepthSample> samples); // frames ascending
 };
 
 // Texels that a frame's colour camera sees at a pyramid level: inside image and depth range, facing the camera, nearest

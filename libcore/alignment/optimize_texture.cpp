@@ -62,8 +62,8 @@ std::vector<double> mean_energies(const AlignmentProblem& reference, const Align
     for (const PlaneScatter& scatter : reference.scatter)
         points += scatter.weight;
     const auto colors = static_cast<double>(reference.observations.size());
-    const auto depths = static_cast<double>(reference.depths.sample.size());
-    const auto lines = static_cast<double>(2 * reference.lines.size() + reference.line_depths.sample.size());
+    const auto depths = static_cast<double>(reference.depths.size());
+    const auto lines = static_cast<double>(2 * reference.lines.size() + reference.line_depths.size());
     const auto frames = static_cast<double>(reference.scene.frames());
     return {mean(e.total(), colors + depths + lines),
             mean(e.color, colors),
@@ -75,40 +75,53 @@ std::vector<double> mean_energies(const AlignmentProblem& reference, const Align
 
 // A colour camera that the scan describes well is better left alone: a few frames from nearly one place let it drift to
 // where the colours hardly agree better. Tried on small images: is the mean cost of an observation, which is 1 where it
-// is off by what is expected of it, lower by kWorthRefining of that and its own?
-bool is_worth_refining(const ProblemSource& source, const AlignmentState& state)
+// is off by what is expected of it, lower by kWorthRefining of that and its own? Leaves the answer in the problem, and
+// returns what came of it.
+AlignmentState minimize_by_better_camera(AlignmentProblem& problem, const AlignmentState& state)
 {
     constexpr double kWorthRefining = 0.1;
-    const OptimizeTextureParams& params = source.scene.params;
-    const int level = params.levels - 1;
-    auto problem = make_problem(source, state, level, level_spacing(params, level), TexelChoice::Selected);
-    const auto color_cost = [&](bool is_free) {
+    const auto minimum = [&](bool is_free) {
         problem.color_camera_is_free = is_free;
-        return fit(problem, minimize_jointly(problem, state, [](const AlignmentState&) {})).energy.color;
+        return fit(problem, minimize_jointly(problem, state));
     };
+    Fit refined = minimum(true), as_given = minimum(false);
     const auto count = static_cast<double>(std::max<std::size_t>(1, problem.observations.size()));
-    const double refined = color_cost(true) / count, as_given = color_cost(false) / count;
-    log_debug(
-        fmt::format("mean colour cost {:.4g} with the colour camera refined, {:.4g} as given", refined, as_given));
-    return as_given - refined > kWorthRefining * (1.0 + as_given);
+    const double cost_refined = refined.energy.color / count, cost_as_given = as_given.energy.color / count;
+    log_debug(fmt::format("mean colour cost {:.4g} with the colour camera refined, {:.4g} as given", cost_refined,
+                          cost_as_given));
+    problem.color_camera_is_free = cost_as_given - cost_refined > kWorthRefining * (1.0 + cost_as_given);
+    return problem.color_camera_is_free ? std::move(refined.state) : std::move(as_given.state);
 }
 
-AlignmentState minimize(const ProblemSource& source, AlignmentState state, const OnIteration& on_iteration)
+AlignmentState minimize_by_schedule(ProblemSource& source, AlignmentState state, const OnIteration& on_iteration)
 {
     const OptimizeTextureParams& params = source.scene.params;
-    if (params.solver == AlignmentSolver::Alternating) {
-        const auto problem = make_problem(source, state, 0, level_spacing(params, 0), TexelChoice::All);
-        return minimize_alternating(problem, std::move(state), on_iteration);
+    if (params.calibration == CalibrationUse::Auto) {
+        auto trial = make_problem(source, state, 0, level_spacing(params, 0), TexelChoice::Selected);
+        minimize_by_better_camera(trial, state);
+        source.color_camera_is_free = trial.color_camera_is_free;
     }
+    const auto problem = make_problem(source, state, 0, level_spacing(params, 0), TexelChoice::All);
+    return minimize_alternating(problem, std::move(state), on_iteration);
+}
+
+// From coarse to fine, each level some rounds.
+AlignmentState minimize_by_pyramid(ProblemSource& source, AlignmentState state, const OnIteration& on_round)
+{
+    const OptimizeTextureParams& params = source.scene.params;
     Progress progress("aligning", static_cast<std::size_t>(params.levels * params.visibility_rounds));
+    bool tries_camera = params.calibration == CalibrationUse::Auto;
     for (int level = params.levels - 1; level >= 0; --level)
         for (int round = 0; round < params.visibility_rounds; ++round) {
-            const auto problem =
-                make_problem(source, state, level, level_spacing(params, level), TexelChoice::Selected);
+            auto problem = make_problem(source, state, level, level_spacing(params, level), TexelChoice::Selected);
             log_debug(fmt::format("level {} compares {} texels in {} observations, {} depths and {} lines", level,
-                                  problem.texels.size(), problem.observations.size(), problem.depths.sample.size(),
+                                  problem.texels.size(), problem.observations.size(), problem.depths.size(),
                                   problem.lines.size()));
-            state = minimize_jointly(problem, std::move(state), on_iteration);
+            state =
+                tries_camera ? minimize_by_better_camera(problem, state) : minimize_jointly(problem, std::move(state));
+            source.color_camera_is_free = problem.color_camera_is_free;
+            tries_camera = false;
+            on_round(state);
             progress.step();
         }
     return state;
@@ -182,7 +195,7 @@ void take_out_vignetting(AlignmentScene& scene, const AlignmentProblem& referenc
     const std::array observed{
         sample_grays(scene, start, {reference.texels, observations, reference.runs}, reference.level).value};
     const auto radius = squared_radii(scene, start, reference.texels, observations);
-    correct(scene, estimate_vignetting(observations, radius, observed, scene.params));
+    correct(scene, estimate_vignetting(observations, radius, observed, start.exposure, scene.params));
 }
 
 void warn_of_blind_frames(const AlignmentProblem& reference)
@@ -235,10 +248,10 @@ Alignment optimize_texture(const AlignmentInput& input, const OptimizeTexturePar
     if (params.optimize_exposure && params.optimize_vignetting) take_out_vignetting(scene, reference, start);
     source.lambda_p = reference.lambda_p = plane_weight(reference, start);
     warn_of_blind_frames(reference);
-    if (params.calibration == CalibrationUse::Auto) source.color_camera_is_free = is_worth_refining(source, start);
 
     std::vector<std::vector<double>> rows{mean_energies(reference, start)};
     const auto record = [&](const AlignmentState& state) { rows.push_back(mean_energies(reference, state)); };
+    const auto minimize = params.solver == AlignmentSolver::Joint ? minimize_by_pyramid : minimize_by_schedule;
     AlignmentState state = in_frame_of_mesh(reference, start, minimize(source, start, record));
     state = without_strays(reference, start, without_stray_normals(reference, start, std::move(state)));
     record(state);

@@ -10,12 +10,13 @@ namespace {
 // Observed texels and depths of every frame.
 std::vector<std::uint32_t> observation_counts(const AlignmentProblem& problem)
 {
-    const auto count = [](const std::vector<std::uint32_t>& first, std::size_t k) { return first[k + 1] - first[k]; };
+    const std::vector<std::uint32_t>& first = problem.observations.first_of_frame;
     std::vector<std::uint32_t> counts(problem.scene.frames(), 0);
-    for (std::size_t k = 0; k < counts.size(); ++k) {
-        counts[k] = count(problem.observations.first_of_frame, k);
-        if (problem.scene.params.lambda_d > 0.0) counts[k] += count(problem.depths.first_of_frame, k);
-    }
+    for (std::size_t k = 0; k < counts.size(); ++k)
+        counts[k] = first[k + 1] - first[k];
+    if (problem.scene.params.lambda_d > 0.0)
+        for (const ObservationRun& run : problem.depths.run)
+            counts[run.frame] += run.end - run.begin;
     return counts;
 }
 
@@ -43,8 +44,8 @@ std::vector<std::uint8_t> free_planes(const AlignmentProblem& problem)
     for (const TexelId t : problem.observations.texel)
         ++count[problem.texels.plane[t]];
     if (params.lambda_d > 0.0)
-        for (const DepthSample& sample : problem.depths.sample)
-            ++count[sample.plane];
+        for (const ObservationRun& run : problem.depths.run)
+            count[run.plane] += run.end - run.begin;
     std::vector<std::uint8_t> is_free(count.size(), 0);
     for (std::size_t p = 0; p < count.size() && params.optimize_planes; ++p)
         is_free[p] =

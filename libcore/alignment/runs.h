@@ -5,12 +5,6 @@
 
 namespace quoin {
 
-// Consecutive observations.
-struct ObservationRun {
-    std::uint32_t frame = 0, begin = 0, end = 0;
-    PlaneId plane = kNoPlane;
-};
-
 struct ObservationRuns {
     std::vector<ObservationRun> run;           // by frame, then plane
     std::vector<std::uint32_t> first_of_frame; // K + 1

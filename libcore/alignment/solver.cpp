@@ -16,7 +16,8 @@ enum class Block { Pose, Plane, Calibration };
 // The exposures that fit the greys of a state, if they lower its energy.
 Fit with_better_exposures(const AlignmentProblem& problem, Fit current)
 {
-    auto exposure = estimate_exposures(problem.observations, current.samples.value, problem.scene.params);
+    auto exposure =
+        estimate_exposures(problem.observations, current.samples.value, problem.scene.params, current.state.exposure);
     return with_exposures(problem, std::move(current), std::move(exposure));
 }
 
@@ -77,7 +78,7 @@ AlignmentState block_step(const AlignmentProblem& problem, const AlignmentState&
 } // namespace
 
 // Exposures hardly change with the poses: once a new estimate does not help, none is made for this problem any more.
-AlignmentState minimize_jointly(const AlignmentProblem& problem, AlignmentState state, const OnIteration& on_iteration)
+AlignmentState minimize_jointly(const AlignmentProblem& problem, AlignmentState state)
 {
     const OptimizeTextureParams& params = problem.scene.params;
     double damping = params.damping;
@@ -90,7 +91,6 @@ AlignmentState minimize_jointly(const AlignmentProblem& problem, AlignmentState 
             exposures_settled = !has_fallen(before, current, params);
         }
         current = joint_step(problem, std::move(current), damping);
-        on_iteration(current.state);
         if (!has_fallen(before, current, params)) break;
     }
     return current.state;

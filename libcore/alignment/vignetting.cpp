@@ -134,16 +134,19 @@ std::vector<float> squared_radii(const AlignmentScene& scene, const AlignmentSta
 }
 
 Vignetting estimate_vignetting(const Observations& observations, const std::vector<float>& squared_radius,
-                               std::span<const std::vector<float>> channels, const OptimizeTextureParams& params)
+                               std::span<const std::vector<float>> channels, const std::vector<Exposure>& start,
+                               const OptimizeTextureParams& params)
 {
     Vignetting vignetting;
     if (observations.size() == 0) return vignetting;
+    std::vector<std::vector<Exposure>> exposure(channels.size(), start);
     for (int round = 0; round < kRounds; ++round) {
         Equations sum;
-        for (const auto& channel : channels) {
-            const auto exposure =
-                estimate_exposures(observations, corrected(channel, squared_radius, vignetting), params);
-            sum = sum + equations_of({observations, squared_radius, channel, exposure, vignetting}, params.huber_color);
+        for (std::size_t c = 0; c < channels.size(); ++c) {
+            exposure[c] = estimate_exposures(observations, corrected(channels[c], squared_radius, vignetting), params,
+                                             std::move(exposure[c]));
+            sum = sum + equations_of({observations, squared_radius, channels[c], exposure[c], vignetting},
+                                     params.huber_color);
         }
         const double prior = kPrior * static_cast<double>(channels.size() * observations.size());
         sum.A.diagonal().array() += prior;

@@ -14,10 +14,12 @@ std::vector<float> squared_radii(const AlignmentScene& scene, const AlignmentSta
 
 // The vignetting under which all frames see the same texel colours, in turns with their exposures: a robust linear
 // system with the colours eliminated and a prior to none. `channels`: observed colours, 0..1, of every observation.
+// `start`: exposures to begin with.
 // None where a texel is not seen at different radii, or where what is found is no lens: a gain, or a loss of three
 // quarters.
 Vignetting estimate_vignetting(const Observations& observations, const std::vector<float>& squared_radius,
-                               std::span<const std::vector<float>> channels, const OptimizeTextureParams& params);
+                               std::span<const std::vector<float>> channels, const std::vector<Exposure>& start,
+                               const OptimizeTextureParams& params);
 
 // Takes it out of the grey images of all levels.
 void correct(AlignmentScene& scene, const Vignetting& vignetting);

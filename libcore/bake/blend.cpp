@@ -136,6 +136,7 @@ private:
     Patch sample(const TextureView& view, const TileWeights& weights);
     void sample_tile(const TextureView& view, const TileWeights& weights, const Eigen::Vector2i& tile, Patch& patch);
     void add_best(const Patch& patch, const TileWeights& weights);
+    void add_best_texel(const Patch& patch, const std::optional<LowBand>& low, int x, int y, float label);
 
     const TexelChart* texels_;
     const ChartTiles* tiles_;
@@ -154,21 +155,24 @@ void ChartBlend::sample_tile(const TextureView& view, const TileWeights& weights
     const double density = texels_->chart.density;
     const Eigen::Vector2i begin = tile * kTileSize;
     const Eigen::Vector2i end = (begin.array() + kTileSize).min(Eigen::Array2i(texels_->width(), texels_->height()));
-    for (int y = begin.y(); y < end.y(); ++y)
+    for (int y = begin.y(); y < end.y(); ++y) {
+        const TileWeights::Row consistency = weights.consistency(tile.x(), y);
+        const RowAims aims(view, *texels_, positions_, {begin.x(), y}, Margins::Safe);
         for (int x = begin.x(); x < end.x(); ++x) {
-            const auto face = texels_->face.at(x, y);
-            if (face == kNoFace) continue;
-            const auto sighting = view.see(positions_.world(face, x, y), positions_.normal(face));
+            const auto sighting = view.see(aims[x], Margins::Safe);
             if (!sighting) continue;
-            const Eigen::Vector3f color = view.color(*sighting, density);
+            const Eigen::Vector3f recorded = view.recorded_color(*sighting, density);
+            const Eigen::Vector3f color = view.common_color(*sighting, recorded);
             const double resolution = sighting->resolution / density;
             const double quality = sighting->trust * sighting->facing * resolution * resolution * view.sharpness();
             const float weight = plain_mean ? 1.0f
-                                            : static_cast<float>(quality) * weights.consistency(x, y) *
-                                                  view.exposure_weight(*sighting, color);
+                                            : static_cast<float>(quality) *
+                                                  consistency[static_cast<std::size_t>(x - begin.x())] *
+                                                  TextureView::exposure_weight(recorded);
             if (weight > 0.0f) mean_.at(x, y).add(color, weight);
             patch.texel.at(x - patch.x, y - patch.y).add(color, 1.0f);
         }
+    }
 }
 
 // What the view shows of the chart; adds it to the mean.
@@ -192,14 +196,25 @@ void ChartBlend::add_best(const Patch& patch, const TileWeights& weights)
 {
     std::optional<LowBand> low;
     if (params_->blend == Blend::TwoBand) low.emplace(patch.texel, cell_);
-    for (int y = 0; y < patch.texel.height; ++y)
-        for (int x = 0; x < patch.texel.width; ++x) {
-            const auto& texel = patch.texel.at(x, y);
-            const float label = texel.weight > 0.0f ? weights.label(patch.x + x, patch.y + y) : 0.0f;
-            if (label <= 0.0f) continue;
-            const Eigen::Vector3f color = low ? Eigen::Vector3f(texel.color() - low->at(x, y)) : texel.color();
-            best_.at(patch.x + x, patch.y + y).add(color, sharpened(label));
+    const int columns = patch.texel.width, rows = patch.texel.height;
+    for (int top = 0; top < rows; top += kTileSize)
+        for (int left = 0; left < columns; left += kTileSize) {
+            const int column = (patch.x + left) / kTileSize;
+            if (!weights.labels(column, (patch.y + top) / kTileSize)) continue;
+            for (int y = top; y < std::min(top + kTileSize, rows); ++y) {
+                const TileWeights::Row label = weights.label(column, patch.y + y);
+                for (int x = left; x < std::min(left + kTileSize, columns); ++x)
+                    add_best_texel(patch, low, x, y, label[static_cast<std::size_t>(x - left)]);
+            }
         }
+}
+
+void ChartBlend::add_best_texel(const Patch& patch, const std::optional<LowBand>& low, int x, int y, float label)
+{
+    const WeightedColor& texel = patch.texel.at(x, y);
+    if (texel.weight <= 0.0f || label <= 0.0f) return;
+    const Eigen::Vector3f color = low ? Eigen::Vector3f(texel.color() - low->at(x, y)) : texel.color();
+    best_.at(patch.x + x, patch.y + y).add(color, sharpened(label));
 }
 
 void ChartBlend::add(const TextureView& view, std::uint32_t keyframe)

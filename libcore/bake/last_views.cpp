@@ -3,6 +3,7 @@
 #include "bake/fill.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace quoin {
 
@@ -19,25 +20,30 @@ void LastViews::add(const TextureView& view, std::uint32_t keyframe, const Texel
         if (std::ranges::binary_search(tiles_->last_view[tile_[gap]], keyframe)) add_tile(view, positions, gap);
 }
 
+Eigen::Vector2i LastViews::first_texel(std::size_t gap) const
+{
+    const auto columns = static_cast<std::size_t>(tiles_->columns);
+    return {static_cast<int>(tile_[gap] % columns) * kTileSize, static_cast<int>(tile_[gap] / columns) * kTileSize};
+}
+
 // Calls visit(x, y, i) for the texels of a gap, i being their place in its colours.
 template <class Visit>
 void LastViews::for_each_texel(std::size_t gap, const Visit& visit) const
 {
-    const auto columns = static_cast<std::size_t>(tiles_->columns);
-    const int left = static_cast<int>(tile_[gap] % columns) * kTileSize,
-              top = static_cast<int>(tile_[gap] / columns) * kTileSize;
-    for (int y = top; y < std::min(top + kTileSize, texels_->height()); ++y)
-        for (int x = left; x < std::min(left + kTileSize, texels_->width()); ++x)
-            visit(x, y, static_cast<std::size_t>((y - top) * kTileSize + x - left));
+    const Eigen::Vector2i first = first_texel(gap);
+    for (int y = first.y(); y < std::min(first.y() + kTileSize, texels_->height()); ++y)
+        for (int x = first.x(); x < std::min(first.x() + kTileSize, texels_->width()); ++x)
+            visit(x, y, static_cast<std::size_t>((y - first.y()) * kTileSize + x - first.x()));
 }
 
 void LastViews::add_tile(const TextureView& view, const TexelPositions& positions, std::size_t gap)
 {
     const double density = texels_->chart.density;
+    const Eigen::Vector2i first = first_texel(gap);
+    std::optional<RowAims> aims;
     for_each_texel(gap, [&](int x, int y, std::size_t i) {
-        const auto face = texels_->face.at(x, y);
-        if (face == kNoFace) return;
-        const auto sighting = view.see(positions.world(face, x, y), positions.normal(face), Margins::Least);
+        if (x == first.x()) aims.emplace(view, *texels_, positions, Eigen::Vector2i(x, y), Margins::Least);
+        const auto sighting = view.see((*aims)[x], Margins::Least);
         if (!sighting) return;
         const double resolution = std::min(1.0, sighting->resolution / density);
         const auto quality = static_cast<float>(sighting->trust * sighting->facing * resolution * view.sharpness());

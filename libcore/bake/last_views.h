@@ -24,6 +24,7 @@ public:
 private:
     using TileColors = std::array<WeightedColor, std::size_t{kTileSize} * kTileSize>; // the weight is the quality
     void add_tile(const TextureView& view, const TexelPositions& positions, std::size_t gap);
+    Eigen::Vector2i first_texel(std::size_t gap) const;
     template <class Visit>
     void for_each_texel(std::size_t gap, const Visit& visit) const;
 

@@ -1,6 +1,7 @@
 #include "bake/texture_view.h"
 
 #include "bake/distance_field.h"
+#include "base/lanes.h"
 #include "image/sampling.h"
 #include "render/rasterize.h"
 
@@ -19,6 +20,7 @@ constexpr double kBilinearReach = 2.0;   // from a rounded pixel to the farthest
 constexpr double kLeastRamp = 0.02;      // weight right at the margin; better than no view at all
 constexpr float kSaturated = 250.0f;     // recorded grey level whose true brightness is unknown
 constexpr float kSaturatedWeight = 0.1f;
+constexpr double kHalfPixel = 0.499;    // outside of the first and last pixel, which are the nearest still
 constexpr double kCornerCentring = 0.5; // quality of the image's corners against its middle
 
 // Starts of distances: 0 at a step of depth, far elsewhere. The inverse depth of a plane is linear in the image, so its
@@ -76,46 +78,77 @@ std::vector<ColorImage> pyramid(ColorImage image)
 
 double cosine(double degrees) { return std::cos(degrees * std::numbers::pi / 180.0); }
 
-Eigen::Vector2i nearest(const Eigen::Vector2d& pixel)
-{
-    return {static_cast<int>(std::floor(pixel.x() + 0.5)), static_cast<int>(std::floor(pixel.y() + 0.5))};
-}
+// Eight points of a row in an image.
+struct ImageLanes {
+    Floats u, v, z, facing; // pixel, depth [m] and cosine
+    Ints in_image;          // before the camera and within the image
+    Ints nearest;           // pixel, counted by rows
+};
 
-// Does the predicate hold for the four pixels that a bilinear sample mixes?
-template <class Predicate>
-bool all_mixed(const Eigen::Vector2d& pixel, const Predicate& predicate)
-{
-    const int x0 = static_cast<int>(std::floor(pixel.x())), x1 = static_cast<int>(std::ceil(pixel.x()));
-    const int y0 = static_cast<int>(std::floor(pixel.y())), y1 = static_cast<int>(std::ceil(pixel.y()));
-    return predicate(x0, y0) && predicate(x1, y0) && predicate(x0, y1) && predicate(x1, y1);
-}
+// A row of points before a camera.
+struct RowInImage {
+    const Camera& camera;
+    Eigen::Vector3f first, step, normal;
+
+    RowInImage(const PointRow& points, const Camera& camera_, const Rigid& camera_from_world)
+        : camera(camera_), first((camera_from_world * points.first).cast<float>()),
+          step((camera_from_world.linear() * points.step).cast<float>()),
+          normal((camera_from_world.linear() * points.normal).cast<float>())
+    {
+    }
+    // Points i to i + 7; the image begins and ends `border` pixels inside of its first and last.
+    ImageLanes from(std::size_t i, double border) const
+    {
+        constexpr Floats kCount{0, 1, 2, 3, 4, 5, 6, 7};
+        const auto f = [](double value) { return static_cast<float>(value); };
+        const Floats at = kCount + static_cast<float>(i);
+        const Floats X = first.x() + at * step.x(), Y = first.y() + at * step.y(), Z = first.z() + at * step.z();
+        const Floats u = f(camera.fx) * X / Z + f(camera.cx), v = f(camera.fy) * Y / Z + f(camera.cy);
+        const float right = f(camera.width - 1 - border), bottom = f(camera.height - 1 - border);
+        const Floats toward = -(normal.x() * X + normal.y() * Y + normal.z() * Z);
+        const Ints x = __builtin_convertvector(u + 0.5f, Ints), y = __builtin_convertvector(v + 0.5f, Ints);
+        return {u,
+                v,
+                Z,
+                toward / square_root(X * X + Y * Y + Z * Z),
+                (Z > 0.0f) & (u >= f(border)) & (v >= f(border)) & (u <= right) & (v <= bottom),
+                y * camera.width + x};
+    }
+};
 
 } // namespace
 
 TextureView::TextureView(const BakeInput& input, std::size_t k, const BakeTextureParams& params)
     : params_(params), color_camera_(input.alignment.color), depth_camera_(input.images.scan().depth),
       color_from_world_(input.alignment.color_from_world(k)), depth_from_world_(input.alignment.camera_from_world[k]),
-      color_(pyramid(input.images.color(input.keyframes.frame[k]))),
-      drawn_(rasterize(input.planes.mesh, color_camera_, color_from_world_).depth),
-      measured_(input.images.depth(input.keyframes.frame[k])), drawn_edge_(distance_to_drawn_edges(drawn_, params)),
-      measured_edge_(grow_distances(depth_steps(measured_, params.depth_jump, params.depth_noise), kFarFromEdges)),
-      gain_(input.alignment.gain[k]), bias_(input.alignment.bias[k]),
+      color_(pyramid(input.images.color(input.keyframes.frame[k]))), gain_(input.alignment.gain[k]),
+      bias_(input.alignment.bias[k]),
       vignetting_(input.alignment.vignetting), safe_{cosine(params.max_view_angle), params.edge_margin, 1.0},
       least_{std::min(safe_.least_facing, cosine(params.last_view_angle)), 0.0, 0.0}
 {
     const FrameId frame = input.keyframes.frame[k];
     const float blur = frame < input.keyframes.blur.size() ? input.keyframes.blur[frame] : 0.0f;
     sharpness_ = std::isfinite(blur) ? 1.0 - std::clamp<double>(blur, 0.0, 1.0) : 1.0;
-    // The depth image's pixels in units of the colour image's.
-    for (auto& distance : measured_edge_.pixels)
-        distance *= static_cast<float>(color_camera_.fx / depth_camera_.fx);
+    const DepthImage drawn = rasterize(input.planes.mesh, color_camera_, color_from_world_).depth;
+    drawn_ = edged(drawn, distance_to_drawn_edges(drawn, params), 1.0f);
+    const DepthImage measured = input.images.depth(frame);
+    const Image<float> to_edge =
+        grow_distances(depth_steps(measured, params.depth_jump, params.depth_noise), kFarFromEdges);
+    measured_ = edged(measured, to_edge, static_cast<float>(color_camera_.fx / depth_camera_.fx));
+}
+
+// Side by side, for who asks for one asks for both.
+Image<TextureView::EdgedDepth> TextureView::edged(const DepthImage& depth, const Image<float>& to_edge, float scale)
+{
+    Image<EdgedDepth> result(depth.width, depth.height);
+    for (std::size_t i = 0; i < result.pixels.size(); ++i)
+        result.pixels[i] = {depth.pixels[i], scale * to_edge.pixels[i]};
+    return result;
 }
 
 std::size_t TextureView::bytes() const
 {
-    const std::size_t pixels =
-        drawn_.pixels.size() + measured_.pixels.size() + drawn_edge_.pixels.size() + measured_edge_.pixels.size();
-    std::size_t result = pixels * sizeof(float);
+    std::size_t result = (drawn_.pixels.size() + measured_.pixels.size()) * sizeof(EdgedDepth);
     for (const auto& level : color_)
         result += level.pixels.size() * sizeof(Rgb8);
     return result;
@@ -134,43 +167,85 @@ double TextureView::depth_tolerance(double z, double facing, double focal) const
     return std::max(params_.depth_tolerance, kSigmas * params_.depth_noise * z * z) + z / (focal * facing);
 }
 
-std::optional<Sighting> TextureView::see(const Eigen::Vector3d& p_world, const Eigen::Vector3d& normal_world,
-                                         Margins margins) const
+void TextureView::aim(const PointRow& points, Margins margins, std::span<Aim> aims) const
 {
-    const Limits& limits = margins == Margins::Safe ? safe_ : least_;
-    const Eigen::Vector3d p_color = color_from_world_ * p_world;
-    if (p_color.z() < params_.min_depth || p_color.z() > params_.max_depth) return std::nullopt;
-    const Eigen::Vector2d pixel = color_camera_.project(p_color);
-    if (!color_camera_.contains(pixel, limits.border)) return std::nullopt;
-    const double facing = -(color_from_world_.linear() * normal_world).dot(p_color) / p_color.norm();
-    if (facing < limits.least_facing) return std::nullopt;
-
-    const Eigen::Vector2i at = nearest(pixel);
-    double trust = edge_ramp(drawn_edge_.at(at.x(), at.y()), limits.edge);
-    if (trust == 0.0) return std::nullopt;
-    const double tolerance = depth_tolerance(p_color.z(), facing, color_camera_.fx);
-    const auto shows_surface = [&](int x, int y) {
-        return drawn_.at(x, y) > 0.0 && std::abs(drawn_.at(x, y) - p_color.z()) <= tolerance;
-    };
-    if (!shows_surface(at.x(), at.y())) return std::nullopt;
-    // The safe margins keep all that a colour mixes away from edges.
-    if (margins == Margins::Least && !all_mixed(pixel, shows_surface)) return std::nullopt;
-
-    const Eigen::Vector3d p_depth = depth_from_world_ * p_world;
-    const Eigen::Vector2i at_depth =
-        p_depth.z() > 0.0 ? nearest(depth_camera_.project(p_depth)) : Eigen::Vector2i(-1, -1);
-    const bool in_depth_image = measured_.contains(at_depth.x(), at_depth.y());
-    const double measured = in_depth_image ? measured_.at(at_depth.x(), at_depth.y()) : 0.0;
-    if (measured == 0.0)
-        trust *= kUnmeasuredTrust;
-    else if (std::abs(measured - p_depth.z()) > depth_tolerance(p_depth.z(), facing, depth_camera_.fx))
-        return std::nullopt;
-    if (measured > 0.0) trust *= edge_ramp(measured_edge_.at(at_depth.x(), at_depth.y()), limits.edge);
-    if (trust == 0.0) return std::nullopt;
-    return Sighting{pixel, color_camera_.fx * std::sqrt(facing) / p_color.z(), facing, trust};
+    const Limits& limit = limits(margins);
+    const RowInImage in_color(points, color_camera_, color_from_world_);
+    const RowInImage in_depth(points, depth_camera_, depth_from_world_);
+    for (std::size_t first = 0; first < aims.size(); first += kFloats) {
+        const ImageLanes color = in_color.from(first, limit.border), depth = in_depth.from(first, -kHalfPixel);
+        const Ints in_reach = (color.z >= static_cast<float>(params_.min_depth)) &
+                              (color.z <= static_cast<float>(params_.max_depth)) &
+                              (color.facing >= static_cast<float>(limit.least_facing));
+        const unsigned in_sight = bits(color.in_image & in_reach), in_depth_image = bits(depth.in_image);
+        for (std::size_t i = 0; i < std::min(kFloats, aims.size() - first); ++i) {
+            Aim& aim = aims[first + i];
+            aim = {};
+            if ((in_sight >> i & 1u) == 0) continue;
+            aim = {{color.u[i], color.v[i]}, color.z[i], color.facing[i], depth.z[i], nullptr, nullptr};
+            aim.drawn = &drawn_.pixels[static_cast<std::size_t>(color.nearest[i])];
+            __builtin_prefetch(aim.drawn);
+            __builtin_prefetch(&color_[0].pixels[static_cast<std::size_t>(color.nearest[i])]);
+            if ((in_depth_image >> i & 1u) == 0 || measured_.pixels.empty()) continue;
+            aim.measured = &measured_.pixels[static_cast<std::size_t>(depth.nearest[i])];
+            __builtin_prefetch(aim.measured);
+        }
+    }
 }
 
-Eigen::Vector3f TextureView::color(const Sighting& sighting, double density) const
+bool TextureView::shows_surface(const Aim& aim, const EdgedDepth& drawn) const
+{
+    const double tolerance = depth_tolerance(aim.z, aim.facing, color_camera_.fx);
+    return drawn.depth > 0.0f && std::abs(drawn.depth - aim.z) <= tolerance;
+}
+
+bool TextureView::mixes_surface_only(const Aim& aim) const
+{
+    const int x0 = static_cast<int>(std::floor(aim.pixel.x())), x1 = static_cast<int>(std::ceil(aim.pixel.x()));
+    const int y0 = static_cast<int>(std::floor(aim.pixel.y())), y1 = static_cast<int>(std::ceil(aim.pixel.y()));
+    return shows_surface(aim, drawn_.at(x0, y0)) && shows_surface(aim, drawn_.at(x1, y0)) &&
+           shows_surface(aim, drawn_.at(x0, y1)) && shows_surface(aim, drawn_.at(x1, y1));
+}
+
+bool TextureView::agrees_with_measured(const Aim& aim) const
+{
+    if (!aim.measured || aim.measured->depth == 0.0f) return true;
+    const double tolerance = depth_tolerance(aim.measured_z, aim.facing, depth_camera_.fx);
+    return std::abs(aim.measured->depth - aim.measured_z) <= tolerance;
+}
+
+bool TextureView::is_within(const Aim& aim, const Limits& limits) const
+{
+    return color_camera_.contains(aim.pixel, limits.border) && aim.facing >= limits.least_facing &&
+           aim.drawn->to_edge >= limits.edge &&
+           (!aim.measured || aim.measured->depth == 0.0f || aim.measured->to_edge >= limits.edge);
+}
+
+Sighting TextureView::sighting(const Aim& aim, const Limits& limits) const
+{
+    const bool is_measured = aim.measured && aim.measured->depth > 0.0f;
+    const double measured_trust = is_measured ? edge_ramp(aim.measured->to_edge, limits.edge) : kUnmeasuredTrust;
+    return {aim.pixel, color_camera_.fx * std::sqrt(aim.facing) / aim.z, aim.facing,
+            edge_ramp(aim.drawn->to_edge, limits.edge) * measured_trust};
+}
+
+std::optional<Sighting> TextureView::see(const Aim& aim, Margins margins) const
+{
+    if (aim.z == 0.0 || !is_within(aim, limits(margins)) || !shows_surface(aim, *aim.drawn) ||
+        !agrees_with_measured(aim))
+        return std::nullopt;
+    // The safe margins keep all that a colour mixes away from edges.
+    if (margins == Margins::Least && !mixes_surface_only(aim)) return std::nullopt;
+    return sighting(aim, limits(margins));
+}
+
+TextureView::TwoSightings TextureView::see_by_both(const Aim& aim) const
+{
+    if (!see(aim, Margins::Least)) return {};
+    return {true, is_within(aim, safe_) ? std::optional(sighting(aim, safe_)) : std::nullopt};
+}
+
+Eigen::Vector3f TextureView::recorded_color(const Sighting& sighting, double density) const
 {
     // A texel of at least sqrt(2) pixels is nearer to the next level.
     std::size_t level = 0;
@@ -183,7 +258,12 @@ Eigen::Vector3f TextureView::color(const Sighting& sighting, double density) con
     // Bilinear samples need a neighbour on every side.
     const double x = std::clamp(pixel.x(), 0.0, image.width - 1.001),
                  y = std::clamp(pixel.y(), 0.0, image.height - 1.001);
-    return correction(sighting.pixel) * gain_.cwiseProduct(sample_color(image, x, y)) + bias_;
+    return sample_color(image, x, y);
+}
+
+Eigen::Vector3f TextureView::common_color(const Sighting& sighting, const Eigen::Vector3f& recorded) const
+{
+    return correction(sighting.pixel) * gain_.cwiseProduct(recorded) + bias_;
 }
 
 // Of vignetting.
@@ -193,9 +273,8 @@ float TextureView::correction(const Eigen::Vector2d& pixel) const
         vignetting_.correction(Vignetting::squared_radius(color_camera_.width, color_camera_.height, pixel)));
 }
 
-float TextureView::exposure_weight(const Sighting& sighting, const Eigen::Vector3f& common_color) const
+float TextureView::exposure_weight(const Eigen::Vector3f& recorded)
 {
-    const Eigen::Vector3f recorded = (common_color - bias_).cwiseQuotient(correction(sighting.pixel) * gain_);
     return recorded.maxCoeff() >= kSaturated ? kSaturatedWeight : 1.0f;
 }
 

@@ -131,11 +131,13 @@ TileSamples::Judgement TileSamples::judge_tile(const TextureView& view, std::siz
     Judgement judgement;
     TileView& result = judgement.view;
     double seen = 0.0, quality = 0.0;
+    std::array<TextureView::Aim, kSamplesPerTile> aim;
+    for (std::size_t i = 0; i < sample_[tile].size(); ++i)
+        view.aim({sample_[tile][i].p_world, Eigen::Vector3d::Zero(), sample_[tile][i].normal_world}, Margins::Least,
+                 std::span(&aim[i], 1));
     for (std::size_t i = 0; i < sample_[tile].size(); ++i) {
-        const auto& sample = sample_[tile][i];
-        if (!view.see(sample.p_world, sample.normal_world, Margins::Least)) continue; // nor by the safe ones, then
-        judgement.by_least_margins = true;
-        const auto sighting = view.see(sample.p_world, sample.normal_world);
+        const auto [by_least_margins, sighting] = view.see_by_both(aim[i]);
+        judgement.by_least_margins |= by_least_margins;
         if (!sighting) continue;
         judgement.seen |= static_cast<SampleSet>(1u << i);
         const double resolution = std::min(1.0, sighting->resolution / density_);
@@ -162,6 +164,23 @@ void TileSamples::judge(const TextureView& view, std::uint32_t keyframe, ChartTi
         if (!(judged.quality > 0.0f)) continue;
         judged.keyframe = keyframe;
         tiles.view[tile].push_back(judged);
+    }
+}
+
+RowAims::RowAims(const TextureView& view, const TexelChart& texels, const TexelPositions& positions,
+                 const Eigen::Vector2i& first, Margins margins)
+    : first_(first.x())
+{
+    const int y = first.y(), last = std::min(first_ + kTileSize, texels.width());
+    for (int begin = first_, end = begin; begin < last; begin = end) {
+        const auto face = texels.face.at(begin, y);
+        while (end < last && texels.face.at(end, y) == face)
+            ++end;
+        if (face == kNoFace) continue;
+        const Eigen::Vector3d p_world = positions.world(face, begin, y);
+        const PointRow points{p_world, positions.world(face, begin + 1, y) - p_world, positions.normal(face)};
+        view.aim(points, margins,
+                 {&aim_[static_cast<std::size_t>(begin - first_)], static_cast<std::size_t>(end - begin)});
     }
 }
 
@@ -209,31 +228,36 @@ TileWeights::TileWeights(const ChartTiles& tiles, std::uint32_t keyframe)
     }
 }
 
-bool TileWeights::reaches(int column, int row) const
+bool TileWeights::is_positive_near(const std::vector<float>& weight, int column, int row) const
 {
     for (int r = std::max(0, row - 1); r <= std::min(rows_ - 1, row + 1); ++r)
         for (int c = std::max(0, column - 1); c <= std::min(columns_ - 1, column + 1); ++c)
-            if (consistency_[static_cast<std::size_t>(r) * static_cast<std::size_t>(columns_) +
-                             static_cast<std::size_t>(c)] > 0.0f)
-                return true;
+            if (weight[index(c, r)] > 0.0f) return true;
     return false;
 }
 
-float TileWeights::at(const std::vector<float>& weight, int texel_x, int texel_y) const
+TileWeights::Row TileWeights::row(const std::vector<float>& weight, int column, int texel_y) const
 {
     constexpr auto kSize = static_cast<float>(kTileSize);
-    const float x =
-        std::clamp((static_cast<float>(texel_x) + 0.5f) / kSize - 0.5f, 0.0f, static_cast<float>(columns_ - 1));
     const float y =
         std::clamp((static_cast<float>(texel_y) + 0.5f) / kSize - 0.5f, 0.0f, static_cast<float>(rows_ - 1));
-    const int x0 = static_cast<int>(x), y0 = static_cast<int>(y);
-    const int x1 = std::min(x0 + 1, columns_ - 1), y1 = std::min(y0 + 1, rows_ - 1);
-    const float fx = x - static_cast<float>(x0), fy = y - static_cast<float>(y0);
-    const auto tile = [&](int c, int r) {
-        return weight[static_cast<std::size_t>(r) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(c)];
+    const int y0 = static_cast<int>(y), y1 = std::min(y0 + 1, rows_ - 1);
+    const float fy = y - static_cast<float>(y0);
+    // In the left half of a tile towards the one before, in the right half towards the next.
+    Row result;
+    const auto mix = [&](int first_texel, int left) {
+        const int x0 = std::max(left, 0), x1 = std::min(left + 1, columns_ - 1);
+        const float upper_left = weight[index(x0, y0)], upper_right = weight[index(x1, y0)];
+        const float lower_left = weight[index(x0, y1)], lower_right = weight[index(x1, y1)];
+        for (int i = first_texel; i < first_texel + kTileSize / 2; ++i) {
+            const float fx = (static_cast<float>(i) + 0.5f) / kSize + (first_texel == 0 ? 0.5f : -0.5f);
+            result[static_cast<std::size_t>(i)] =
+                (1 - fy) * ((1 - fx) * upper_left + fx * upper_right) + fy * ((1 - fx) * lower_left + fx * lower_right);
+        }
     };
-    return (1 - fy) * ((1 - fx) * tile(x0, y0) + fx * tile(x1, y0)) +
-           fy * ((1 - fx) * tile(x0, y1) + fx * tile(x1, y1));
+    mix(0, column - 1);
+    mix(kTileSize / 2, column);
+    return result;
 }
 
 } // namespace quoin

@@ -4,6 +4,7 @@
 #include "bake/atlas.h"
 #include "bake/texture_view.h"
 
+#include <array>
 #include <vector>
 
 namespace quoin {
@@ -59,6 +60,18 @@ private:
     double radius_ = 0.0;
 };
 
+// A view's aims at the texels of a tile in one row, from `first` on; outside the chart it sees nothing.
+class RowAims {
+public:
+    RowAims(const TextureView& view, const TexelChart& texels, const TexelPositions& positions,
+            const Eigen::Vector2i& first, Margins margins);
+    const TextureView::Aim& operator[](int texel_x) const { return aim_[static_cast<std::size_t>(texel_x - first_)]; }
+
+private:
+    int first_;
+    std::array<TextureView::Aim, kTileSize> aim_;
+};
+
 // Leaves last views only to tiles that have unseen samples.
 void keep_last_views_of_gaps(ChartTiles& tiles);
 
@@ -76,12 +89,21 @@ public:
     TileWeights(const ChartTiles& tiles, std::uint32_t keyframe);
     bool any_view() const { return any_view_; }
     bool any_label() const { return any_label_; }
-    bool reaches(int column, int row) const; // is the view's weight positive anywhere in the tile?
-    float consistency(int texel_x, int texel_y) const { return at(consistency_, texel_x, texel_y); }
-    float label(int texel_x, int texel_y) const { return at(label_, texel_x, texel_y); } // 0..1
+    // Is the view's weight positive anywhere in the tile?
+    bool reaches(int column, int row) const { return is_positive_near(consistency_, column, row); }
+    bool labels(int column, int row) const { return is_positive_near(label_, column, row); }
+    // Of the texels of a tile in one row of texels.
+    using Row = std::array<float, kTileSize>;
+    Row consistency(int column, int texel_y) const { return row(consistency_, column, texel_y); }
+    Row label(int column, int texel_y) const { return row(label_, column, texel_y); } // 0..1
 
 private:
-    float at(const std::vector<float>& weight, int texel_x, int texel_y) const;
+    Row row(const std::vector<float>& weight, int column, int texel_y) const;
+    bool is_positive_near(const std::vector<float>& weight, int column, int row) const;
+    std::size_t index(int column, int row) const
+    {
+        return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
+    }
 
     int columns_, rows_;
     std::vector<float> consistency_, label_; // of every tile

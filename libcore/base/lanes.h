@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
 #ifdef __AVX2__
@@ -45,7 +46,18 @@ inline void store_part(const Floats& lanes, float* to, std::size_t count)
 {
     _mm256_maskstore_ps(to, first_lanes(count), lanes);
 }
+inline Doubles load_doubles(const float* from, std::size_t count)
+{
+    return _mm256_cvtps_pd(_mm_maskload_ps(from, _mm256_castsi256_si128(first_lanes(count))));
+}
 #else
+inline Doubles load_doubles(const float* from, std::size_t count)
+{
+    Doubles lanes{};
+    for (std::size_t i = 0; i < std::min(count, kDoubles); ++i)
+        lanes[i] = from[i];
+    return lanes;
+}
 inline Floats load_part(const float* from, std::size_t count)
 {
     Floats lanes{};
@@ -57,6 +69,31 @@ inline void store_part(const Floats& lanes, float* to, std::size_t count)
     std::memcpy(to, &lanes, std::min(count, kFloats) * sizeof(float));
 }
 #endif
+
+inline Floats square_root(const Floats& lanes)
+{
+#ifdef __AVX2__
+    return _mm256_sqrt_ps(lanes);
+#else
+    Floats result;
+    for (std::size_t i = 0; i < kFloats; ++i)
+        result[i] = std::sqrt(lanes[i]);
+    return result;
+#endif
+}
+
+// Bit i is set where lane i of a comparison holds.
+inline unsigned bits(const Ints& is_true)
+{
+#ifdef __AVX2__
+    return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(is_true)));
+#else
+    unsigned result = 0;
+    for (std::size_t i = 0; i < kFloats; ++i)
+        result |= static_cast<unsigned>(is_true[i] != 0) << i;
+    return result;
+#endif
+}
 
 inline double sum(const Floats& lanes)
 {

@@ -30,7 +30,7 @@ ColorImage picture_of(const Keyframes& keyframes, const ScanImages& images, cons
 // (blue). Throws ImpossibleError when there is no match and InputError when a frame is not in the scan.
 ColorImage picture_of(const LineMatches& lines, const ScanImages& images, const PictureSize& size = {});
 
-// The energies over their iterations, each relative to its largest value, above the path of the cameras seen along the
+// The energies over their rounds, each relative to its largest value, above the path of the cameras seen along the
 // direction in which it is flattest.
 ColorImage picture_of(const Alignment& alignment, const PictureSize& size = {});
 

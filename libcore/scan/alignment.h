@@ -22,7 +22,7 @@ struct Alignment {
     Camera color; // colour camera, refined or the scan's
     Rigid depth_from_color = Rigid::Identity();
     std::vector<std::string> energy_name;    // columns of `energy`: "color", "plane", "line", ...
-    std::vector<std::vector<double>> energy; // one row per iteration: mean robust cost of each term
+    std::vector<std::vector<double>> energy; // one row per round: mean robust cost of each term
 
     Rigid color_from_world(std::size_t keyframe) const
     {

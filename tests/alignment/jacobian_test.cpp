@@ -251,13 +251,15 @@ TEST(DepthBlocks, AreTheSumsOverTheirSamplesInUnitsOfSigma)
 {
     Random random{std::mt19937(5)};
     const AlignmentState state = random_state(random);
-    DepthSamples samples{{0, 60}, {}};
+    std::vector<DepthSample> all;
     for (int i = 0; i < 60; ++i) {
         const PlaneId plane = i < 25 ? 0 : 1;
         const Vector3 on_plane = state.plane[plane].project(Vector3(0, 0, 2) + random.vector(0.5));
         const Vector3 y = state.camera_from_world[0] * on_plane + random.vector(0.02);
-        samples.sample.push_back({y.cast<float>(), plane, static_cast<float>(random(0.002, 0.01))});
+        all.push_back({y.cast<float>(), plane, static_cast<float>(1.0 / random(0.002, 0.01))});
     }
+    DepthSamples samples;
+    samples.add(0, all);
     const double huber = 0.7;
     const auto blocks = depth_blocks(state, samples, huber);
     const auto costs = depth_costs(state, samples, huber);
@@ -268,10 +270,10 @@ TEST(DepthBlocks, AreTheSumsOverTheirSamplesInUnitsOfSigma)
         double cost = 0.0;
         const PlaneId p = blocks[b].plane;
         const DepthRows rows = depth_rows(state.camera_from_world[0], state.plane[p], state.plane[p].tangents());
-        for (const DepthSample& sample : samples.sample) {
+        for (const DepthSample& sample : all) {
             if (sample.plane != p) continue;
             const Eigen::Vector4d y = sample.p_camera.cast<double>().homogeneous();
-            const double sigma = sample.sigma, r = rows.residual.dot(y) / sigma;
+            const double sigma = 1.0 / sample.inverse_sigma, r = rows.residual.dot(y) / sigma;
             const Eigen::Matrix<double, 9, 1> J = rows.derivative * y / sigma;
             expected.H += huber_weight(r, huber) * J * J.transpose();
             expected.g += huber_weight(r, huber) * r * J;

@@ -9,7 +9,7 @@ function figure_text(value) {
     return size >= 1000 ? Math.round(value).toLocaleString('en') : size >= 0.001 ? String(Number(value.toPrecision(3))) : value.toExponential(1);
 }
 
-// One line over its iterations, from 0 up, with its first and last value.
+// One line over its rounds, from 0 up, with its first and last value.
 function line_chart(title, values) {
     const width = 220, height = 90, left = 4, bottom = 16;
     const most = Math.max(...values, 1e-12);
@@ -19,7 +19,7 @@ function line_chart(title, values) {
     const first = values[0], last = values[values.length - 1];
     const change = first > 1e-6 * most ? `${last <= first ? '−' : '+'}${Math.abs((100 * (last - first)) / first).toFixed(0)} %` : '';
     return `<figure class="chart"><figcaption>${escape_html(title)} <b>${change}</b></figcaption>` +
-        `<svg viewBox="0 0 ${width} ${height}" role="img" aria-label="${escape_html(title)} per iteration">` +
+        `<svg viewBox="0 0 ${width} ${height}" role="img" aria-label="${escape_html(title)} per round">` +
         `<line class="axis" x1="${left}" x2="${width - left}" y1="${height - bottom}" y2="${height - bottom}"/>` +
         `<polyline points="${points}"/><circle cx="${x(values.length - 1)}" cy="${y(last)}" r="3"/>` +
         `<text x="${left}" y="${height - 3}">${figure_text(first)}</text>` +
