@@ -80,6 +80,8 @@ public:
         ++speakers_;
     }
 
+    bool silent() const { return speakers_ == 0; }
+
     // The normal on which all agree best; together those who speak count as one.
     Eigen::Vector3d agreed(PlaneId p) const
     {
@@ -141,11 +143,12 @@ std::vector<Plane> regularize(const std::vector<Plane>& plane, const std::vector
             regularizer.hear(p, q);
         for (const PlaneId q : beside[p])
             if (known[q] && moments[q].area < params.regular_area) regularizer.hear(p, q);
+        known[p] = 1;
+        if (moments[p].area >= params.regular_area) large.push_back(p);
+        if (regularizer.silent()) continue;
         const Eigen::Vector3d normal = regularizer.agreed(p);
         direction[p] = direction_of({normal, 0.0}, moments[p], params.regular_depth);
         result[p] = {normal, plane[p].offset + (plane[p].normal - normal).dot(moments[p].centroid())};
-        known[p] = 1;
-        if (moments[p].area >= params.regular_area) large.push_back(p);
     }
     return result;
 }
