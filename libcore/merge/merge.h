@@ -33,6 +33,8 @@ struct MergeParams {
     double regular_sigmas = 2.0;
     double regular_reach = 40.0;
     double regular_area = 0.5;
+    double regular_open = 5.0;
+    double regular_move = 0.002;
 
     static constexpr auto list()
     {
@@ -79,7 +81,7 @@ struct MergeParams {
             Param{"tukey", &P::tukey, "",
                   "faces farther from the plane than this many standard deviations do not count", 1.0, 100.0},
             Param{"regularize", &P::regularize, "",
-                  "turn planes that were probably meant to be parallel or orthogonal to better known ones"},
+                  "turn narrow planes that were probably meant to be parallel or orthogonal to better known ones"},
             Param{"regular_angle", &P::regular_angle, "deg",
                   "standard deviation of what was meant to be parallel or orthogonal; less = a stronger prior", 0.01,
                   45.0},
@@ -91,6 +93,11 @@ struct MergeParams {
             Param{"regular_area", &P::regular_area, "m^2",
                   "planes of at least this area give their directions to all others, smaller ones to neighbours", 0.0,
                   1e3},
+            Param{"regular_open", &P::regular_open, "deg",
+                  "planes turn whose direction is known better than this along them and worse across", 0.0, 90.0},
+            Param{"regular_move", &P::regular_move, "m",
+                  "how much farther from their plane faces may be then, RMS; but for steps between parallel planes",
+                  0.0, 1.0},
         };
     }
 };

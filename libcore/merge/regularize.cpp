@@ -15,6 +15,7 @@ namespace quoin {
 namespace {
 
 constexpr double kLeastSpread = 1e-12; // [m^2]
+constexpr double kParallel = 10.0;     // [deg]
 
 struct Direction {
     Eigen::Vector3d normal;
@@ -121,6 +122,68 @@ std::vector<PlaneId> by_certainty(const std::vector<Direction>& direction)
     return order;
 }
 
+// Which planes may say something to which.
+class Household {
+public:
+    Household(const std::vector<Plane>& plane, const std::vector<Moments>& moments,
+              std::span<const std::pair<PlaneId, PlaneId>> neighbours, const MergeParams& params)
+        : plane_(plane), moments_(moments), params_(params), beside_(plane.size()), known_(plane.size(), 0)
+    {
+        for (const auto& [a, b] : neighbours) {
+            beside_[a].push_back(b);
+            beside_[b].push_back(a);
+        }
+    }
+
+    void make_known(PlaneId p)
+    {
+        known_[p] = 1;
+        if (is_large(p)) large_.push_back(p);
+    }
+
+    template <class Visit>
+    void for_each_speaker(PlaneId p, const Visit& visit) const
+    {
+        for (const PlaneId q : large_)
+            visit(q);
+        for (const PlaneId q : beside_[p])
+            if (known_[q] && !is_large(q)) visit(q);
+    }
+
+    // Does the plane lead from one larger plane to another that is parallel, as the side of a board does?
+    bool is_step(PlaneId p) const
+    {
+        const auto larger = [&](PlaneId q) { return known_[q] && moments_[q].area > 2.0 * moments_[p].area; };
+        for (const PlaneId a : beside_[p])
+            for (const PlaneId b : beside_[p])
+                if (a < b && larger(a) && larger(b) && are_apart(a, b)) return true;
+        return false;
+    }
+
+private:
+    bool is_large(PlaneId p) const { return moments_[p].area >= params_.regular_area; }
+    bool are_apart(PlaneId a, PlaneId b) const
+    {
+        return std::abs(plane_[a].normal.dot(plane_[b].normal)) > std::cos(radians(kParallel)) &&
+               std::abs(plane_[a].signed_distance(moments_[b].centroid())) > 2.0 * params_.regular_depth;
+    }
+
+    const std::vector<Plane>& plane_;
+    const std::vector<Moments>& moments_;
+    const MergeParams& params_;
+    std::vector<std::vector<PlaneId>> beside_;
+    std::vector<std::uint8_t> known_;
+    std::vector<PlaneId> large_; // and known
+};
+
+// Along its length, but not across it.
+bool is_half_known(const Direction& direction, const MergeParams& params)
+{
+    const auto [better, worse] = std::minmax(direction.variance[0], direction.variance[1]);
+    const double open = radians(params.regular_open);
+    return better < open * open && worse > open * open;
+}
+
 } // namespace
 
 std::vector<Plane> regularize(const std::vector<Plane>& plane, const std::vector<Moments>& moments,
@@ -129,26 +192,21 @@ std::vector<Plane> regularize(const std::vector<Plane>& plane, const std::vector
     std::vector<Direction> direction;
     for (PlaneId p = 0; p < plane.size(); ++p)
         direction.push_back(direction_of(plane[p], moments[p], params.regular_depth));
-    std::vector<std::vector<PlaneId>> beside(plane.size());
-    for (const auto& [a, b] : neighbours) {
-        beside[a].push_back(b);
-        beside[b].push_back(a);
-    }
     std::vector<Plane> result = plane;
-    std::vector<std::uint8_t> known(plane.size(), 0);
-    std::vector<PlaneId> large; // and known
+    Household household(result, moments, neighbours, params);
     for (const PlaneId p : by_certainty(direction)) {
         Regularizer regularizer(direction, params);
-        for (const PlaneId q : large)
-            regularizer.hear(p, q);
-        for (const PlaneId q : beside[p])
-            if (known[q] && moments[q].area < params.regular_area) regularizer.hear(p, q);
-        known[p] = 1;
-        if (moments[p].area >= params.regular_area) large.push_back(p);
+        if (is_half_known(direction[p], params))
+            household.for_each_speaker(p, [&](PlaneId q) { regularizer.hear(p, q); });
+        const bool is_step = household.is_step(p);
+        household.make_known(p);
         if (regularizer.silent()) continue;
-        const Eigen::Vector3d normal = regularizer.agreed(p);
-        direction[p] = direction_of({normal, 0.0}, moments[p], params.regular_depth);
-        result[p] = {normal, plane[p].offset + (plane[p].normal - normal).dot(moments[p].centroid())};
+        const Eigen::Vector3d normal = regularizer.agreed(p), centre = moments[p].centroid();
+        const Plane turned{normal, -normal.dot(plane[p].project(centre))};
+        const double farther = rms_to_plane(moments[p], turned) - rms_to_plane(moments[p], plane[p]);
+        if (!is_step && farther > params.regular_move) continue;
+        result[p] = turned;
+        direction[p] = direction_of(turned, moments[p], params.regular_depth);
     }
     return result;
 }

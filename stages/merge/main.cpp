@@ -9,7 +9,7 @@ int main(int argc, char** argv)
     const Stage stage{
         .name = "merge",
         .summary = "joins neighbouring clusters that lie in one plane, and absorbs bumps and tiny clusters",
-        .impl_version = 5,
+        .impl_version = 6,
         .inputs = {{"plane_mesh", "clusters of the dense mesh"}},
         .outputs = {{"plane_mesh", "the same faces in fewer planes"}},
         .resources = {.memory = "bytes(plane_mesh) * 4 + 200M"},
