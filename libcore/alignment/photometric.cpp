@@ -16,6 +16,12 @@ constexpr std::size_t kBatch = 64;
 using Values = std::array<float, kBatch>;
 using Offsets = std::array<int, kBatch>;
 
+// Observations of a run that are sampled together.
+struct Batch {
+    std::size_t first = 0, count = 0;
+    std::size_t padded() const { return (count + kFloats - 1) / kFloats * kFloats; }
+};
+
 // A run ready to be sampled: from points by way of their projection onto the plane to pixels of a level.
 struct RunSampler {
     const GrayImage& gray;
@@ -51,10 +57,10 @@ RunSampler run_sampler(const GrayImage& gray, const Camera& camera, const Rigid&
 }
 
 // What is missing to full lanes repeats the last point.
-void gather(Points& points, const Texels& texels, const TexelId* texel, std::size_t count, std::size_t padded)
+void gather(Points& points, const Texels& texels, const TexelId* texel, const Batch& batch)
 {
-    for (std::size_t i = 0; i < padded; ++i) {
-        const Eigen::Vector3f& p = texels.p_world[texel[std::min(i, count - 1)]];
+    for (std::size_t i = 0; i < batch.padded(); ++i) {
+        const Eigen::Vector3f& p = texels.p_world[texel[std::min(i, batch.count - 1)]];
         points.x[i] = p.x();
         points.y[i] = p.y();
         points.z[i] = p.z();
@@ -103,17 +109,17 @@ void fetch(Corners& corners, const GrayImage& gray, const Offsets& offset, std::
 }
 
 // The bilinear surface and its exact derivative.
-void interpolate(GraySamples& samples, std::size_t first, std::size_t count, const RunSampler& run,
-                 const Pixels& pixels, const Corners& corners)
+void interpolate(GraySamples& samples, const Batch& batch, const RunSampler& run, const Pixels& pixels,
+                 const Corners& corners)
 {
-    for (std::size_t i = 0; i < count; i += kFloats) {
+    for (std::size_t i = 0; i < batch.count; i += kFloats) {
         const Floats left = load(&corners.left[i]), lower_left = load(&corners.lower_left[i]);
         const Floats along = load(&pixels.along[i]), down = load(&pixels.down[i]), seen = load(&pixels.seen[i]);
         const Floats slope_upper = load(&corners.right[i]) - left;
         const Floats slope_lower = load(&corners.lower_right[i]) - lower_left;
         const Floats upper = left + along * slope_upper, lower = lower_left + along * slope_lower;
         const Floats slope = slope_upper + down * (slope_lower - slope_upper);
-        const std::size_t o = first + i, n = count - i;
+        const std::size_t o = batch.first + i, n = batch.count - i;
         store_part(seen * (upper + down * (lower - upper)), &samples.value[o], n);
         store_part(seen * load(&pixels.in_row[i]) * (run.fx * slope), &samples.by_x[o], n);
         store_part(seen * load(&pixels.in_column[i]) * (run.fy * (lower - upper)), &samples.by_y[o], n);
@@ -130,12 +136,11 @@ void sample_run(GraySamples& samples, const RunSampler& sampler, const SampledTe
     Pixels pixels;
     Corners corners;
     for (std::size_t first = run.begin; first < run.end; first += kBatch) {
-        const std::size_t count = std::min<std::size_t>(kBatch, run.end - first);
-        const std::size_t padded = (count + kFloats - 1) / kFloats * kFloats;
-        gather(points, sampled.texels, &sampled.observations.texel[first], count, padded);
-        project(pixels, sampler, points, padded);
-        fetch(corners, sampler.gray, pixels.offset, padded);
-        interpolate(samples, first, count, sampler, pixels, corners);
+        const Batch batch{first, std::min<std::size_t>(kBatch, run.end - first)};
+        gather(points, sampled.texels, &sampled.observations.texel[first], batch);
+        project(pixels, sampler, points, batch.padded());
+        fetch(corners, sampler.gray, pixels.offset, batch.padded());
+        interpolate(samples, batch, sampler, pixels, corners);
     }
 }
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 namespace quoin {
 namespace {
@@ -37,21 +38,27 @@ void dilate(Image<std::uint8_t>& mask, int radius)
                     mask.at(x, v) = 1;
 }
 
-// Marks the edges between pixels of `a` and the neighbours `b` on both sides.
-void mark_edges(const float* a, const float* b, std::uint8_t* mask_a, std::uint8_t* mask_b, int count, int* is_edge,
-                const DepthJump& jump)
+// Pixels of a row from one on.
+struct RowPixels {
+    const float* depth;
+    std::uint8_t* mask;
+};
+
+// Marks the edges between as many pixels of `a` and the neighbours `b`, on both sides, as `is_edge` has room for.
+void mark_edges(RowPixels a, RowPixels b, std::span<int> is_edge, const DepthJump& jump)
 {
     const auto least = static_cast<float>(jump.least), floor = static_cast<float>(jump.floor);
     const auto square = static_cast<float>(jump.square);
-    for (int x = 0; x < count; ++x) {
-        const float nearer = a[x] < b[x] ? a[x] : b[x], step = a[x] < b[x] ? b[x] - a[x] : a[x] - b[x];
+    for (std::size_t x = 0; x < is_edge.size(); ++x) {
+        const float here = a.depth[x], there = b.depth[x];
+        const float nearer = here < there ? here : there, step = here < there ? there - here : here - there;
         const float limit = floor + square * nearer * nearer;
         is_edge[x] = static_cast<int>((nearer > 0.0f) & (step > limit) & (step > least));
     }
-    for (int x = 0; x < count; ++x)
-        mask_a[x] = static_cast<std::uint8_t>(mask_a[x] | is_edge[x]);
-    for (int x = 0; x < count; ++x)
-        mask_b[x] = static_cast<std::uint8_t>(mask_b[x] | is_edge[x]);
+    for (std::size_t x = 0; x < is_edge.size(); ++x)
+        a.mask[x] = static_cast<std::uint8_t>(a.mask[x] | is_edge[x]);
+    for (std::size_t x = 0; x < is_edge.size(); ++x)
+        b.mask[x] = static_cast<std::uint8_t>(b.mask[x] | is_edge[x]);
 }
 
 } // namespace
@@ -61,10 +68,9 @@ Image<std::uint8_t> near_depth_edges(const DepthImage& depth, int radius, const 
     Image<std::uint8_t> mask(depth.width, depth.height, 0);
     std::vector<int> is_edge(static_cast<std::size_t>(depth.width));
     for (int y = 0; y < depth.height; ++y) {
-        const float* row = depth.row(y);
-        mark_edges(row, row + 1, mask.row(y), mask.row(y) + 1, depth.width - 1, is_edge.data(), jump);
-        if (y + 1 < depth.height)
-            mark_edges(row, depth.row(y + 1), mask.row(y), mask.row(y + 1), depth.width, is_edge.data(), jump);
+        const RowPixels row{depth.row(y), mask.row(y)};
+        mark_edges(row, {row.depth + 1, row.mask + 1}, std::span(is_edge).subspan(1), jump);
+        if (y + 1 < depth.height) mark_edges(row, {depth.row(y + 1), mask.row(y + 1)}, is_edge, jump);
     }
     if (radius > 0) dilate(mask, radius);
     return mask;

@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 
 namespace quoin {
 namespace {
@@ -87,7 +88,7 @@ Equations equations_of(const ExposedChannel& channel, double huber)
                 sum = sum + equations_of_texel(channel, static_cast<TexelId>(t), color[t], huber);
             return sum;
         },
-        [](Equations a, Equations b) { return a + b; });
+        std::plus<>());
 }
 
 // The solution without negative numbers: a lens loses light towards the corners and nowhere gains any. Of eight sets of

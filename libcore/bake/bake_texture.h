@@ -79,10 +79,9 @@ struct BakeTextureParams {
             Param{"max_depth", &P::max_depth, "m", "farthest surface that a view is used for", 0.1, 1000.0},
             Param{"depth_tolerance", &P::depth_tolerance, "m",
                   "largest distance between a surface and the measured depth of a view that sees it", 0.001, 1.0},
-            Param{
-                "depth_noise", &P::depth_noise, "1/m",
-                "standard deviation of the sensor's depth over depth squared; the tolerance is at least three of them",
-                0.0, 1.0},
+            Param{"depth_noise", &P::depth_noise, "1/m",
+                  "standard deviation of the sensor's depth over its square; the tolerance is at least three of them",
+                  0.0, 1.0},
             Param{"depth_jump", &P::depth_jump, "m", "step of depth between neighbouring pixels that is an edge", 0.001,
                   10.0},
             Param{"edge_margin", &P::edge_margin, "px",

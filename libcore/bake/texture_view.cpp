@@ -106,13 +106,11 @@ struct RowInImage {
         const Floats u = f(camera.fx) * X / Z + f(camera.cx), v = f(camera.fy) * Y / Z + f(camera.cy);
         const float right = f(camera.width - 1 - border), bottom = f(camera.height - 1 - border);
         const Floats toward = -(normal.x() * X + normal.y() * Y + normal.z() * Z);
-        const Ints x = __builtin_convertvector(u + 0.5f, Ints), y = __builtin_convertvector(v + 0.5f, Ints);
-        return {u,
-                v,
-                Z,
-                toward / square_root(X * X + Y * Y + Z * Z),
-                (Z > 0.0f) & (u >= f(border)) & (v >= f(border)) & (u <= right) & (v <= bottom),
-                y * camera.width + x};
+        const Ints in_image = (Z > 0.0f) & (u >= f(border)) & (v >= f(border)) & (u <= right) & (v <= bottom);
+        // 0 outside, where the number of a pixel may be too large to be one.
+        const Ints x = __builtin_convertvector(u + 0.5f, Ints) & in_image;
+        const Ints y = __builtin_convertvector(v + 0.5f, Ints) & in_image;
+        return {u, v, Z, toward / square_root(X * X + Y * Y + Z * Z), in_image, y * camera.width + x};
     }
 };
 

@@ -41,10 +41,9 @@ struct FillHolesParams {
                   0.002, 0.5},
             Param{"depth_tolerance", &P::depth_tolerance, "m",
                   "a ray that ends this far behind a point has passed through it", 0.001, 1.0},
-            Param{
-                "depth_noise", &P::depth_noise, "1/m",
-                "standard deviation of the sensor's depth over depth squared; the tolerance is at least three of them",
-                0.0, 1.0},
+            Param{"depth_noise", &P::depth_noise, "1/m",
+                  "standard deviation of the sensor's depth over its square; the tolerance is at least three of them",
+                  0.0, 1.0},
             Param{"min_views", &P::min_views, "", "keyframes that must have looked through a point for it to be open",
                   1, 1000},
             Param{"max_open", &P::max_open, "", "part of a hole that may be open for it to be closed", 0.0, 1.0},

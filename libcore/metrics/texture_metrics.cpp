@@ -107,11 +107,12 @@ double median_step(const TexturedModel& model, const std::vector<std::uint32_t>&
         const double length =
             (corner(mesh, h / 3, static_cast<int>((h + 1) % 3)) - corner(mesh, h / 3, static_cast<int>(h % 3))).norm();
         const bool turns = mesh.face[h / 3][h % 3] == mesh.face[opposite[h] / 3][opposite[h] % 3];
-        for (; to_next < length; to_next += step) {
+        while (to_next < length) {
             const double part = to_next / length;
             const auto here = luma_inside(model, h, part);
             const auto there = luma_inside(model, opposite[h], turns ? part : 1.0 - part);
             if (here && there) differences.push_back(std::abs(*here - *there));
+            to_next += step;
         }
         to_next -= length;
     }

@@ -101,7 +101,7 @@ private:
             all.insert(all.end(), more.begin(), more.end());
             return all;
         };
-        const auto faces = parallel_reduce(label_.size(), kMeasureGrain, std::vector<FaceId>(), found_in, append);
+        auto faces = parallel_reduce(label_.size(), kMeasureGrain, std::vector<FaceId>(), found_in, append);
         for (const FaceId f : faces)
             place_[f] = Place::Next;
         return faces;

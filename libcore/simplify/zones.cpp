@@ -238,8 +238,8 @@ void Zones::spread_pending()
 
 PlaneId Zones::add_zone(PlaneId from)
 {
-    mesh_.plane.push_back(Plane(mesh_.plane[from]));
-    mesh_.moments.push_back(Moments(mesh_.moments[from]));
+    mesh_.plane.push_back(mesh_.plane[from]);
+    mesh_.moments.push_back(mesh_.moments[from]);
     plane_of_.push_back(plane_of_[from]);
     failed_.push_back(failed_[from]);
     rough_.push_back(0);
