@@ -54,9 +54,18 @@ void CollapseMesh::neighbours(VertexId v, std::vector<VertexId>& out)
     }
 }
 
+bool CollapseMesh::has_fewer_faces(VertexId v, VertexId u) const
+{
+    std::uint32_t a = first_[v], b = first_[u];
+    for (; a != kEnd && b != kEnd; b = next_[b])
+        a = next_[a];
+    return a == kEnd && b != kEnd;
+}
+
 int CollapseMesh::faces_on_edge(VertexId u, VertexId v, std::array<FaceId, 2>& faces) const
 {
     int count = 0;
+    if (has_fewer_faces(v, u)) std::swap(u, v); // flat zones have fans of thousands of faces
     for (std::uint32_t c = first_[u]; c != kEnd; c = next_[c]) {
         if (!contains(c / 3, v)) continue;
         if (count < 2) faces[static_cast<std::size_t>(count)] = c / 3;

@@ -50,6 +50,8 @@ public:
     }
     // Distinct neighbours in the order of the corner list.
     void neighbours(VertexId v, std::vector<VertexId>& out);
+    // Has v fewer faces than u? Costs the shorter list.
+    bool has_fewer_faces(VertexId v, VertexId u) const;
     // Faces with both ends: their number, the first two in `faces`.
     int faces_on_edge(VertexId u, VertexId v, std::array<FaceId, 2>& faces) const;
 

@@ -17,7 +17,8 @@ namespace {
 constexpr double kFoldedCosine = -0.5; // between faces on one edge
 // How bad a face without area and one that looks away are, in folded edges: the rim of a sheet may be one in the end.
 constexpr int kZeroWeight = 4, kFlippedWeight = 2;
-constexpr int kUnfoldPasses = 8; // few defects are left after two or three
+constexpr int kUnfoldPasses = 8;         // few defects are left after two or three
+constexpr std::size_t kLargestFan = 100; // [faces] that may move at once; all pairs of them are looked at
 
 // A face of a neighbourhood, as it is or as it would be.
 struct Piece {
@@ -208,11 +209,15 @@ std::vector<FaceId> Unfolder::beside(const std::vector<FaceId>& inner) const
 {
     std::vector<FaceId> outer;
     for (const FaceId f : inner)
-        for (const VertexId v : mesh_.face(f))
-            mesh_.for_each_face(v, [&](FaceId g) {
-                if (shares_edge(mesh_.face(f), mesh_.face(g)) && !std::binary_search(inner.begin(), inner.end(), g))
+        for (std::size_t k = 0; k < 3; ++k) {
+            VertexId a = mesh_.face(f)[k], b = mesh_.face(f)[(k + 1) % 3];
+            if (mesh_.has_fewer_faces(b, a)) std::swap(a, b);
+            mesh_.for_each_face(a, [&](FaceId g) {
+                if (shares_edge(mesh_.face(f), mesh_.face(g)) && mesh_.contains(g, b) &&
+                    !std::binary_search(inner.begin(), inner.end(), g))
                     outer.push_back(g);
             });
+        }
     std::sort(outer.begin(), outer.end());
     outer.erase(std::unique(outer.begin(), outer.end()), outer.end());
     return outer;
@@ -258,11 +263,17 @@ bool Unfolder::improve(FaceId f)
 // Faces that share vertices with those around the vertex are to be looked at again.
 void Unfolder::stir(VertexId v)
 {
-    for (const FaceId f : around({v}))
-        for (const VertexId w : mesh_.face(f))
-            for (const FaceId g : around({w}))
-                for (const VertexId x : mesh_.face(g))
-                    mesh_.for_each_face(x, [&](FaceId h) { stirred_[h] = 1; });
+    std::vector<VertexId> near{v};
+    for (int ring = 0; ring < 2; ++ring) {
+        std::vector<VertexId> wider;
+        for (const VertexId w : near)
+            mesh_.for_each_face(w, [&](FaceId f) { std::ranges::copy(mesh_.face(f), std::back_inserter(wider)); });
+        std::ranges::sort(wider);
+        wider.erase(std::unique(wider.begin(), wider.end()), wider.end());
+        near = std::move(wider);
+    }
+    for (const VertexId w : near)
+        mesh_.for_each_face(w, [&](FaceId f) { stirred_[f] = 1; });
 }
 
 void Unfolder::apply(const Change& change)
@@ -302,10 +313,16 @@ void Unfolder::try_contraction(VertexId kept, VertexId gone, std::optional<Chang
     std::array<FaceId, 2> faces{};
     const bool pinches = open(kept) && open(gone) && mesh_.faces_on_edge(kept, gone, faces) == 2;
     if (pinches || !mesh_.link_condition(kept, gone) || !may_lose_faces_between(kept, gone)) return;
-    const auto inner = around({kept, gone});
+    auto inner = around({gone});
+    if (inner.size() > kLargestFan) return;
+    const auto both = around({kept, gone});
     const Eigen::Vector3d middle = 0.5 * (mesh_.position(kept) + mesh_.position(gone));
-    for (const Eigen::Vector3d& target :
-         {mesh_.position(kept), Eigen::Vector3d(middle.cast<float>().cast<double>())}) { // as they are written
+    std::vector<Eigen::Vector3d> targets{mesh_.position(kept)};
+    if (both.size() <= kLargestFan) { // or `kept` and its faces stay
+        inner = both;
+        targets.emplace_back(middle.cast<float>().cast<double>()); // as they are written
+    }
+    for (const Eigen::Vector3d& target : targets) {
         Pieces after;
         for (const FaceId f : inner) {
             if (mesh_.contains(f, kept) && mesh_.contains(f, gone)) continue;
