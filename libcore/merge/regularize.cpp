@@ -5,12 +5,14 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
 // With the measured normal m and the axes e_1, e_2 of the plane's faces, its normal is m + d_1 e_1 + d_2 e_2, and d_k
 // has the variance regular_depth^2 / l_k, where l_k is the variance of the faces along e_k. A better known plane with
-// the normal n and the axes f_1, f_2 says (m + d) . n = 0 if they are orthogonal, (m + d) . f_k = 0 if parallel.
+// the normal n and the axes f_1, f_2 asks for (m + d) . n = 0 if they are orthogonal, for (m + d) . f_k = 0 if
+// parallel.
 namespace quoin {
 namespace {
 
@@ -48,68 +50,65 @@ Direction direction_of(const Plane& plane, const Moments& moments, double depth)
     return d;
 }
 
-// What better known planes say about a normal.
-struct Saying {
+struct DirectionConstraint {
     Eigen::Vector3d orthogonal; // to the normal
-    double variance;            // of its cosine with the normal
+    double variance = 0.0;      // of its cosine with the normal
 };
 
-class Regularizer {
+// A normal by its own faces and by better known planes, in least squares.
+class NormalEstimate {
 public:
-    Regularizer(const std::vector<Direction>& known, const MergeParams& params)
-        : direction_(known), deviation_(radians(params.regular_angle)), params_(params)
+    NormalEstimate(const Direction& measured, const MergeParams& params)
+        : measured_(measured), params_(params), prior_variance_(std::pow(radians(params.regular_angle), 2))
     {
     }
 
-    void hear(PlaneId p, PlaneId by)
+    // Constrains it to be parallel or orthogonal to a known direction, if it is within the uncertainty of both.
+    void constrain_by(const Direction& known)
     {
-        const Direction &d = direction_[p], &known = direction_[by];
-        const double cosine = std::abs(d.normal.dot(known.normal));
-        const double most = std::sin(radians(params_.regular_reach));
-        std::vector<Saying> heard;
-        if (cosine <= most)
-            heard.push_back({known.normal, variance(known, d.normal)});
-        else if (cosine >= std::sqrt(1.0 - most * most))
-            for (std::size_t k = 0; k < 2; ++k)
-                heard.push_back({known.axis[k], deviation_ * deviation_ + known.variance[k]});
-        const bool possible = !heard.empty() && std::all_of(heard.begin(), heard.end(), [&](const Saying& s) {
-            const double sigma = std::sqrt(s.variance + d.variance_along(s.orthogonal));
-            return std::abs(d.normal.dot(s.orthogonal)) <= params_.regular_sigmas * sigma;
+        const std::vector<DirectionConstraint> added = constraints_of(known);
+        const bool are_possible = std::all_of(added.begin(), added.end(), [&](const DirectionConstraint& c) {
+            const double sigma = std::sqrt(c.variance + measured_.variance_along(c.orthogonal));
+            return std::abs(measured_.normal.dot(c.orthogonal)) <= params_.regular_sigmas * sigma;
         });
-        if (!possible) return;
-        said_.insert(said_.end(), heard.begin(), heard.end());
-        ++speakers_;
+        if (added.empty() || !are_possible) return;
+        constraints_.insert(constraints_.end(), added.begin(), added.end());
+        ++references_;
     }
 
-    bool silent() const { return speakers_ == 0; }
+    bool is_constrained() const { return references_ > 0; }
 
-    // The normal on which all agree best; together those who speak count as one.
-    Eigen::Vector3d agreed(PlaneId p) const
+    // All references together weigh as much as one.
+    Eigen::Vector3d solve() const
     {
-        const Direction& d = direction_[p];
-        Eigen::Matrix2d A = Eigen::Vector2d(1.0 / d.variance[0], 1.0 / d.variance[1]).asDiagonal();
+        Eigen::Matrix2d A = Eigen::Vector2d(1.0 / measured_.variance[0], 1.0 / measured_.variance[1]).asDiagonal();
         Eigen::Vector2d b = Eigen::Vector2d::Zero();
-        for (const Saying& s : said_) {
-            const Eigen::Vector2d J(d.axis[0].dot(s.orthogonal), d.axis[1].dot(s.orthogonal));
-            const double weight = 1.0 / (s.variance * speakers_);
+        for (const DirectionConstraint& c : constraints_) {
+            const Eigen::Vector2d J(measured_.axis[0].dot(c.orthogonal), measured_.axis[1].dot(c.orthogonal));
+            const double weight = 1.0 / (c.variance * references_);
             A += weight * J * J.transpose();
-            b -= weight * d.normal.dot(s.orthogonal) * J;
+            b -= weight * measured_.normal.dot(c.orthogonal) * J;
         }
         const Eigen::Vector2d x = A.ldlt().solve(b);
-        return (d.normal + x[0] * d.axis[0] + x[1] * d.axis[1]).normalized();
+        return (measured_.normal + x[0] * measured_.axis[0] + x[1] * measured_.axis[1]).normalized();
     }
 
 private:
-    double variance(const Direction& known, const Eigen::Vector3d& towards) const
+    std::vector<DirectionConstraint> constraints_of(const Direction& known) const
     {
-        return deviation_ * deviation_ + known.variance_along(towards);
+        const double cosine = std::abs(measured_.normal.dot(known.normal));
+        const double most = std::sin(radians(params_.regular_reach));
+        if (cosine <= most) return {{known.normal, prior_variance_ + known.variance_along(measured_.normal)}};
+        if (cosine < std::sqrt(1.0 - most * most)) return {};
+        return {{known.axis[0], prior_variance_ + known.variance[0]},
+                {known.axis[1], prior_variance_ + known.variance[1]}};
     }
 
-    const std::vector<Direction>& direction_;
-    const double deviation_; // [rad]
+    const Direction& measured_;
     const MergeParams& params_;
-    std::vector<Saying> said_;
-    int speakers_ = 0;
+    const double prior_variance_; // of what was meant to be parallel or orthogonal [rad^2]
+    std::vector<DirectionConstraint> constraints_;
+    int references_ = 0;
 };
 
 // Best known first.
@@ -122,11 +121,11 @@ std::vector<PlaneId> by_certainty(const std::vector<Direction>& direction)
     return order;
 }
 
-// Which planes may say something to which.
-class Household {
+// The planes whose directions are known so far, and to which others they are references.
+class ReferencePlanes {
 public:
-    Household(const std::vector<Plane>& plane, const std::vector<Moments>& moments,
-              std::span<const std::pair<PlaneId, PlaneId>> neighbours, const MergeParams& params)
+    ReferencePlanes(const std::vector<Plane>& plane, const std::vector<Moments>& moments,
+                    std::span<const std::pair<PlaneId, PlaneId>> neighbours, const MergeParams& params)
         : plane_(plane), moments_(moments), params_(params), beside_(plane.size()), known_(plane.size(), 0)
     {
         for (const auto& [a, b] : neighbours) {
@@ -135,14 +134,14 @@ public:
         }
     }
 
-    void make_known(PlaneId p)
+    void add(PlaneId p)
     {
         known_[p] = 1;
         if (is_large(p)) large_.push_back(p);
     }
 
     template <class Visit>
-    void for_each_speaker(PlaneId p, const Visit& visit) const
+    void for_each_reference(PlaneId p, const Visit& visit) const
     {
         for (const PlaneId q : large_)
             visit(q);
@@ -193,15 +192,15 @@ std::vector<Plane> regularize(const std::vector<Plane>& plane, const std::vector
     for (PlaneId p = 0; p < plane.size(); ++p)
         direction.push_back(direction_of(plane[p], moments[p], params.regular_depth));
     std::vector<Plane> result = plane;
-    Household household(result, moments, neighbours, params);
+    ReferencePlanes references(result, moments, neighbours, params);
     for (const PlaneId p : by_certainty(direction)) {
-        Regularizer regularizer(direction, params);
+        NormalEstimate estimate(direction[p], params);
         if (is_half_known(direction[p], params))
-            household.for_each_speaker(p, [&](PlaneId q) { regularizer.hear(p, q); });
-        const bool is_step = household.is_step(p);
-        household.make_known(p);
-        if (regularizer.silent()) continue;
-        const Eigen::Vector3d normal = regularizer.agreed(p), centre = moments[p].centroid();
+            references.for_each_reference(p, [&](PlaneId q) { estimate.constrain_by(direction[q]); });
+        const bool is_step = references.is_step(p);
+        references.add(p);
+        if (!estimate.is_constrained()) continue;
+        const Eigen::Vector3d normal = estimate.solve(), centre = moments[p].centroid();
         const Plane turned{normal, -normal.dot(plane[p].project(centre))};
         const double farther = rms_to_plane(moments[p], turned) - rms_to_plane(moments[p], plane[p]);
         if (!is_step && farther > params.regular_move) continue;

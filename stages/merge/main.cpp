@@ -8,7 +8,8 @@ int main(int argc, char** argv)
     using namespace quoin;
     const Stage stage{
         .name = "merge",
-        .summary = "joins neighbouring clusters that lie in one plane, and absorbs bumps and tiny clusters",
+        .summary = "joins neighbouring clusters that lie in one plane, absorbs bumps and tiny clusters, and "
+                   "straightens narrow steps",
         .impl_version = 6,
         .inputs = {{"plane_mesh", "clusters of the dense mesh"}},
         .outputs = {{"plane_mesh", "the same faces in fewer planes"}},
