@@ -17,6 +17,22 @@ std::vector<std::uint32_t> pieces_of(const std::vector<Face>& faces, std::size_t
     return face_components(mesh);
 }
 
+// Points where some of the segments meet others.
+std::vector<std::uint32_t> ends_of(const std::vector<std::uint32_t>& segments, const Outline& outline)
+{
+    std::vector<std::uint8_t> chosen(outline.segment.size(), 0);
+    for (const std::uint32_t s : segments)
+        chosen[s] = 1;
+    std::vector<std::array<std::uint8_t, 2>> meets(outline.point.size(), {0, 0}); // others, chosen ones
+    for (std::size_t s = 0; s < chosen.size(); ++s)
+        for (const std::uint32_t p : outline.segment[s])
+            meets[p][chosen[s]] = 1;
+    std::vector<std::uint32_t> ends;
+    for (std::uint32_t p = 0; p < meets.size(); ++p)
+        if (meets[p][0] && meets[p][1]) ends.push_back(p);
+    return ends;
+}
+
 } // namespace
 
 std::vector<std::uint32_t> segments_aside(const Outline& outline, const std::vector<Face>& faces)
@@ -79,7 +95,11 @@ std::vector<Eigen::Vector3d> find_knots(const PlaneOutline& plane, const std::ve
     for (const auto& [i, j] : crossings(plane.outline))
         knots.push_back(on_segment(i, crossing_parameter(plane.outline, i, j)));
     if (!knots.empty()) return knots;
-    for (const std::uint32_t i : spoilt.empty() ? contradictions(plane.outline) : spoilt)
+    const auto bad = spoilt.empty() ? contradictions(plane.outline) : spoilt;
+    for (const std::uint32_t p : ends_of(bad, plane.outline))
+        knots.push_back(position[plane.vertex[p]]);
+    if (!knots.empty()) return knots;
+    for (const std::uint32_t i : bad)
         for (const double t : {0.0, 0.5, 1.0})
             knots.push_back(on_segment(i, t));
     return knots;

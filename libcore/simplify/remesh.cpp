@@ -1,8 +1,13 @@
 #include "simplify/remesh.h"
 
 #include "base/log.h"
+#include "geometry/groups.h"
+#include "mesh/adjacency.h"
 #include "mesh/cleanup.h"
+#include "simplify/contract.h"
+#include "simplify/inner.h"
 #include "simplify/remesher.h"
+#include "simplify/snap.h"
 #include "simplify/stitch.h"
 
 #include <algorithm>
@@ -21,21 +26,50 @@ void give_up_bent_zones(Zones& zones, const SimplifyParams& params)
             if (curve.planes[k] != kNoPlane && curve.runs[k] == 0) zones.give_up(curve.planes[k]);
 }
 
-PlaneMesh joined(const Zones& zones, const Settled& settled)
+// Flat zones as they were filled, rough ones as the dense mesh has them.
+PlaneMesh zone_mesh(const Zones& zones, const Settled& settled)
 {
     PlaneMesh mesh;
     mesh.plane = zones.mesh().plane;
     mesh.moments = zones.mesh().moments;
-    mesh.mesh.position = settled.position;
+    mesh.mesh.position = zones.mesh().mesh.position;
     mesh.mesh.color = zones.mesh().mesh.color;
-    for (PlaneId z = 0; z < settled.face.size(); ++z) {
-        mesh.mesh.face.insert(mesh.mesh.face.end(), settled.face[z].begin(), settled.face[z].end());
-        mesh.face_plane.insert(mesh.face_plane.end(), settled.face[z].size(), z);
+    const auto dense = group_items(zones.mesh().face_plane, zones.size());
+    for (PlaneId z = 0; z < zones.size(); ++z) {
+        auto& face = mesh.mesh.face;
+        if (zones.rough(z)) {
+            for (const FaceId f : dense.of(z))
+                face.push_back(zones.mesh().mesh.face[f]);
+        } else
+            for (const Face& filled : settled.face[z]) {
+                face.push_back(filled);
+                for (const VertexId v : filled)
+                    mesh.mesh.position[v] = settled.position[v];
+            }
+        mesh.face_plane.resize(face.size(), z);
     }
     remove_isolated_vertices(mesh.mesh);
     split_shared_chords(mesh);
-    zones.join(mesh);
     return mesh;
+}
+
+// Rough zones and their borders, with the flat zones around them, which they must not fold onto.
+void contract_rough(PlaneMesh& mesh, const Zones& zones, const SimplifyParams& params)
+{
+    const auto opposite = opposite_half_edges(mesh.mesh);
+    mesh.vertex_class = classify_vertices(mesh.mesh, mesh.face_plane, opposite);
+    if (params.snap_distance > 0.0) snap_to_planes(mesh, params);
+    Curves curves = trace_curves(mesh, opposite, border_half_edges(mesh, opposite));
+    for (Curve& curve : curves.curve)
+        curve.in_mesh = std::ranges::any_of(curve.planes, [&](PlaneId z) { return z != kNoPlane && zones.rough(z); });
+    contract(mesh, curves, params);
+}
+
+// What was a border between zones of one plane lies inside it.
+void contract_joints(PlaneMesh& mesh, const SimplifyParams& params)
+{
+    mesh.vertex_class = classify_vertices(mesh.mesh, mesh.face_plane);
+    simplify_inner(mesh, params);
 }
 
 } // namespace
@@ -43,9 +77,9 @@ PlaneMesh joined(const Zones& zones, const Settled& settled)
 PlaneMesh remesh(PlaneMesh mesh, std::vector<std::uint32_t> opposite, const SimplifyParams& params)
 {
     Zones zones(std::move(mesh), std::move(opposite));
+    zones.absorb_islands(params);
     give_up_bent_zones(zones, params);
-    const std::size_t vertices = zones.mesh().mesh.position.size();
-    Settled settled{zones.mesh().mesh.position, std::vector<std::uint8_t>(vertices, 0), {}};
+    Settled settled(zones.mesh().mesh.position);
     while (true) { // in every turn flat zones lose faces, or are given up; without any this is the method qem
         Remesher remesher(zones, zones.part(), settled, params);
         const bool done = remesher.run();
@@ -55,9 +89,13 @@ PlaneMesh remesh(PlaneMesh mesh, std::vector<std::uint32_t> opposite, const Simp
         for (PlaneId z = 0; z < settled.face.size(); ++z)
             if (zones.pending(z)) settled.face[z].clear();
     }
-    log_info(fmt::format("{} pieces of planes are filled anew, {} pieces and knots keep their shape",
+    log_info(fmt::format("{} pieces of planes are filled anew, {} pieces and knots are contracted",
                          zones.size() - zones.rough_count(), zones.rough_count()));
-    return joined(zones, settled);
+    PlaneMesh light = zone_mesh(zones, settled);
+    contract_rough(light, zones, params);
+    zones.join(light);
+    contract_joints(light, params);
+    return light;
 }
 
 } // namespace quoin

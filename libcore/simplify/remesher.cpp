@@ -2,7 +2,6 @@
 
 #include "base/parallel.h"
 #include "simplify/collapse_mesh.h"
-#include "simplify/contract.h"
 #include "simplify/knots.h"
 #include "simplify/snap.h"
 
@@ -20,31 +19,30 @@ constexpr std::array<float, 6> kTolerances{1.0f, 0.4f, 0.15f, 0.05f, 0.0f, 4.0f}
 constexpr std::uint8_t kReleased = 3;
 constexpr std::size_t kPlaneGrain = 8; // [planes]
 
+// What a curve that is fixed lies at: settled zones, or faces of the dense mesh.
+constexpr std::uint8_t kSettled = 1, kDense = 2;
+
 } // namespace
 
 Remesher::Remesher(const Zones& zones, ZonePart part, const Settled& settled, const SimplifyParams& params)
     : part_(std::move(part)), params_(params), flat_(zones.size(), 0), curves_(part_.curves),
       fixed_(curves_.curve.size(), 0), held_(part_.dense.size(), 0), filled_(curves_.curve.size(), 0),
-      rough_(part_.mesh), faces_(zones.size())
+      faces_(zones.size())
 {
     for (PlaneId z = 0; z < flat_.size(); ++z)
         flat_[z] = zones.pending(z) && !zones.rough(z) ? 1 : 0;
-    for (CurveId id = 0; id < fixed_.size(); ++id) {
-        Curve& curve = curves_.curve[id];
-        curve.in_mesh = false;
-        for (const PlaneId z : curve.planes) {
-            if (z == kNoPlane) continue;
-            if (!flat_[z]) fixed_[id] = 1;
-            if (zones.pending(z) && zones.rough(z)) curve.in_mesh = true;
+    for (CurveId id = 0; id < fixed_.size(); ++id)
+        for (const PlaneId z : curves_.curve[id].planes) {
+            if (z == kNoPlane || flat_[z]) continue;
+            fixed_[id] = zones.rough(z) ? kDense : kSettled;
+            if (zones.rough(z)) break;
         }
-    }
     hold_settled(settled);
     straighten(settled);
 }
 
 bool Remesher::run()
 {
-    simplify_rough();
     fill_holes();
     thin_free_curves();
     triangulate_planes();
@@ -68,16 +66,22 @@ void Remesher::hold_settled(const Settled& settled)
             }
 }
 
-// Vertices of curves onto the planes they bound; only rough planes have faces that could turn over.
+// Vertices of curves onto the planes they bound, but for those of faces that stay.
 void Remesher::straighten(const Settled& settled)
 {
-    snap_curves(curves_, rough_, params_);
-    for (VertexId v = 0; v < held_.size(); ++v)
-        if (held_[v]) rough_.mesh.position[v] = settled.position[part_.dense[v]];
+    PlaneMesh straight = part_.mesh;
+    snap_curves(curves_, straight, params_);
+    auto& position = straight.mesh.position;
     for (std::uint32_t s = 0; s < curves_.size(); ++s)
-        curves_.point[s] = rough_.mesh.position[curves_.vertex[s]].cast<double>();
+        if (fixed_[curves_.curve_of[s]] == kDense)
+            position[curves_.vertex[s]] = part_.mesh.mesh.position[curves_.vertex[s]];
+    for (VertexId v = 0; v < held_.size(); ++v)
+        if (held_[v]) position[v] = settled.position[part_.dense[v]];
+    for (std::uint32_t s = 0; s < curves_.size(); ++s)
+        curves_.point[s] = position[curves_.vertex[s]].cast<double>();
+    position_ = doubles(position);
     for (CurveId id = 0; id < fixed_.size(); ++id)
-        if (fixed_[id] && !curves_.curve[id].in_mesh) take_over(curves_.curve[id], settled);
+        if (fixed_[id] == kSettled) take_over(curves_.curve[id], settled);
 }
 
 // Leaves the vertices of the curve that a settled zone has left.
@@ -97,12 +101,6 @@ void Remesher::take_over(Curve& curve, const Settled& settled)
     if (!curve.closed) return;
     curves_.next[left.back()] = left.front();
     curves_.previous[left.front()] = left.back();
-}
-
-void Remesher::simplify_rough()
-{
-    if (!rough_.mesh.face.empty()) contract(rough_, curves_, params_);
-    position_ = doubles(rough_.mesh.position);
 }
 
 // Does the curve lie around a hole of the mesh inside a plane? Seen from where the normal points it runs clockwise.
@@ -138,16 +136,11 @@ void Remesher::fill_holes()
         filled_[id] = is_small_hole(id) ? 1 : 0;
 }
 
-// Edges of settled zones, and those that are left in rough ones between corners, ascending.
+// Edges of faces that stay, ascending.
 Remesher::Edges Remesher::taken_edges() const
 {
     Edges edges = settled_edges_;
-    const auto corner = [&](VertexId v) { return part_.mesh.vertex_class[v] == VertexClass::Corner; };
-    for (const auto& face : rough_.mesh.face)
-        for (std::size_t k = 0; k < 3; ++k) {
-            const auto [low, high] = std::minmax(face[k], face[(k + 1) % 3]);
-            if (corner(low) && corner(high)) edges.push_back({low, high});
-        }
+    edges.insert(edges.end(), part_.rough_edge.begin(), part_.rough_edge.end());
     std::sort(edges.begin(), edges.end());
     return edges;
 }
@@ -351,8 +344,6 @@ void Remesher::settle(Settled& settled) const
     const auto dense = [&](const Face& face) {
         return Face{part_.dense[face[0]], part_.dense[face[1]], part_.dense[face[2]]};
     };
-    for (FaceId f = 0; f < rough_.mesh.face.size(); ++f)
-        settled.face[rough_.face_plane[f]].push_back(dense(rough_.mesh.face[f]));
     for (PlaneId p = 0; p < faces_.size(); ++p)
         for (const Face& face : faces_[p])
             settled.face[p].push_back(dense(face));

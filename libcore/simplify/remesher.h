@@ -8,13 +8,15 @@ namespace quoin {
 
 // What has been simplified for good, in vertices of the dense mesh.
 struct Settled {
+    explicit Settled(const std::vector<Eigen::Vector3f>& dense) : position(dense), gone(dense.size(), 0) {}
+
     std::vector<Eigen::Vector3f> position; // V; of vertices that faces have
     std::vector<std::uint8_t> gone;        // V; is it a vertex of a curve that was joined to others?
-    std::vector<std::vector<Face>> face;   // by zone
+    std::vector<std::vector<Face>> face;   // by zone, of flat ones
 };
 
-// Rough zones are contracted by quadrics; the borders of the flat ones are thinned, and each is filled anew between
-// them. What borders on settled zones stays as they have it.
+// The borders of the flat zones are thinned, and each is filled anew between them. What borders on rough zones stays as
+// the dense mesh has it, what borders on settled ones as they have it.
 class Remesher {
 public:
     Remesher(const Zones& zones, ZonePart part, const Settled& settled, const SimplifyParams& params);
@@ -36,7 +38,6 @@ private:
     void hold_settled(const Settled& settled);
     void straighten(const Settled& settled);
     void take_over(Curve& curve, const Settled& settled);
-    void simplify_rough();
     void fill_holes();
     bool is_hole(CurveId id) const;
     bool is_small_hole(CurveId id) const;
@@ -60,8 +61,7 @@ private:
     Flags fixed_; // one a curve: faces of rough or of settled zones are at it
     Flags held_;  // one a vertex: settled zones have it
     Edges settled_edges_;
-    Flags filled_; // one a curve: borders of holes that vanish
-    PlaneMesh rough_;
+    Flags filled_;                          // one a curve: borders of holes that vanish
     std::vector<Eigen::Vector3d> position_; // V
     CurveBounds bounds_;
     std::vector<std::uint8_t> step_;                               // one a slot: how often its bound was tightened

@@ -93,11 +93,13 @@ struct SimplifyParams {
 
 // Keeps the moments of all planes that keep faces; planes without faces are dropped and the ids of the others move up
 // in order; parts of a plane that no longer hang together, or look away from it in the end, go over to a plane beside
-// them or become planes of their own, behind the others. Colours follow the vertices that stay, normals are dropped,
-// classes are found anew. The result is manifold: vertices on edges of three or more faces, and where fans touch in a
-// point, are split. It has no duplicate face. Faces that are folded onto each other, look away from their plane or have
-// no area are taken out in the end where max_fold_error allows it; the rims of thin sheets stay folded. Faces with
-// vertices that are not finite are dropped. Throws ImpossibleError if no face is left.
+// them or become planes of their own, behind the others. By remeshing, pieces of planes within one other plane become
+// part of it where they are as small as a hole that is filled, and as close to it as a vertex inside it may be. Colours
+// follow the vertices that stay, normals are dropped, classes are found anew. The result is manifold: vertices on edges
+// of three or more faces, and where fans touch in a point, are split. It has no duplicate face. Faces that are folded
+// onto each other, look away from their plane or have no area are taken out in the end where max_fold_error allows it;
+// the rims of thin sheets stay folded. Faces with vertices that are not finite are dropped. Throws ImpossibleError if
+// no face is left.
 PlaneMesh simplify(PlaneMesh mesh, const SimplifyParams& params);
 
 } // namespace quoin

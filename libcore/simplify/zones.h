@@ -5,16 +5,24 @@
 #include "simplify/curves.h"
 #include "simplify/simplify.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
 namespace quoin {
 
-// What is to be simplified next: all vertices of borders of pending zones, and the faces of those that are rough.
+// What is to be simplified next: the borders of pending zones.
 struct ZonePart {
-    PlaneMesh mesh;              // its planes are zones
-    Curves curves;               // of pending zones
-    std::vector<VertexId> dense; // of every vertex that of the dense mesh, ascending
+    PlaneMesh mesh;                                  // without faces; its planes are zones
+    Curves curves;                                   // of pending zones
+    std::vector<VertexId> dense;                     // of every vertex that of the dense mesh, ascending
+    std::vector<std::array<VertexId, 2>> rough_edge; // of faces of rough zones, between corners; low, high
+
+    VertexId index(VertexId v) const
+    {
+        return static_cast<VertexId>(std::ranges::lower_bound(dense, v) - dense.begin());
+    }
+    bool has(VertexId v) const { return std::ranges::binary_search(dense, v); }
 };
 
 // The planes of a dense mesh come apart into connected zones: the largest piece of each plane, under the plane's own
@@ -30,11 +38,15 @@ public:
     const Plane& plane(PlaneId zone) const { return mesh_.plane[zone]; }
     const Moments& moments(PlaneId zone) const { return mesh_.moments[zone]; }
 
-    // Is the zone to keep its shape, for its border cannot be laid flat? Knots are.
+    // Zones within one other that lie as close to its plane as a vertex inside may, and are as small as a hole that is
+    // filled, become part of it.
+    void absorb_islands(const SimplifyParams& params);
+
+    // Is the zone to keep its faces, for its border cannot be laid flat? Knots are.
     bool rough(PlaneId zone) const { return rough_[zone] != 0; }
     void give_up(PlaneId zone) { rough_[zone] = 1; }
     std::size_t rough_count() const;
-    // Is the zone to be simplified, or simplified again since a cut came near it?
+    // Is the flat zone to be filled, or filled again since a cut came near it?
     bool pending(PlaneId zone) const { return pending_[zone] != 0; }
     ZonePart part() const;
 
@@ -44,8 +56,8 @@ public:
         std::vector<Eigen::Vector3d> knot; // where its border crosses or contradicts itself [m]; none: in other ways
     };
     // Cuts the faces around the knots out of their zones, farther around with every failure of a zone. Zones without
-    // knots, or that little would be left of, or that have failed many times become rough. These zones and those beside
-    // the knots are pending now; so are those that touch rough ones, which do not keep to borders that are settled.
+    // knots, or that little would be left of, or that have failed many times become rough. What is left of these zones,
+    // and those that touch what became rough, are pending now.
     void cut(const std::vector<Failure>& failures, const SimplifyParams& params);
 
     // Puts the faces of a mesh with these zones into their planes again.
@@ -53,28 +65,39 @@ public:
 
 private:
     struct Cut;
-    std::vector<Cut> plan(const std::vector<Failure>& failures, const SimplifyParams& params);
+    void separate_pieces();
     PlaneId add_zone(PlaneId from);
-    void separate(const std::vector<FaceId>& faces, std::vector<FaceId>& relabelled);
-    void add_borders(const std::vector<FaceId>& relabelled);
-    void classify_ends(const std::vector<std::uint32_t>& border);
+    std::vector<std::array<VertexId, 2>> rough_edges(const ZonePart& part) const;
     std::array<VertexId, 2> ends(std::uint32_t half_edge) const
     {
         const Face& face = mesh_.mesh.face[half_edge / 3];
         return {face[half_edge % 3], face[(half_edge % 3 + 1) % 3]};
     }
-    template <class Visit>
-    void for_each_side(const Visit& visit) const;
-    void spread_pending();
+
+    std::vector<PlaneId> surrounding_zones() const;
+    void keep_small(std::vector<PlaneId>& surrounding, double diameter) const;
+    void keep_low(std::vector<PlaneId>& surrounding, double height) const;
+
+    std::vector<Cut> begin_cuts(const std::vector<Failure>& failures) const;
+    std::array<std::vector<Eigen::Vector3d>, 2> sort_knots(const Cut& cut, double reach) const;
+    void find_faces(Cut& cut, double reach, const std::vector<Eigen::Vector3d>& knots);
+    void find_faces(Cut& cut, const SimplifyParams& params);
+    void find_cut_off(Cut& cut);
+    PlaneId take_out(const std::vector<FaceId>& faces);
+    void take_out(const Cut& cut, std::vector<std::uint8_t>& stirred);
+    void add_borders(const std::vector<FaceId>& relabelled);
+    void classify_ends(const std::vector<std::uint32_t>& border);
+    void spread_pending(const std::vector<std::uint8_t>& stirred);
 
     PlaneMesh mesh_;
     const std::vector<std::uint32_t> opposite_;
     std::vector<std::uint32_t> border_; // half-edges, ascending
     std::vector<PlaneId> plane_of_;     // one a zone
+    std::vector<FaceId> faces_;         // number of faces, one a zone
     std::vector<std::uint8_t> failed_;  // times, one a zone
     std::vector<std::uint8_t> rough_;   // one a zone
     std::vector<std::uint8_t> pending_; // one a zone
-    std::vector<std::uint32_t> index_;  // F; scratch
+    std::vector<std::uint32_t> mark_;   // F; scratch, 0 in between
 };
 
 } // namespace quoin

@@ -103,17 +103,23 @@ TEST(Simplify, MovesAMeshBorderByNoMoreThanTheError)
     EXPECT_LT(simplify(mesh, params).mesh.face.size(), result.mesh.face.size());
 }
 
-TEST(Simplify, KeepsAnIslandInsideAPlane)
+// A square of 1 m whose cells from `first` to `last` both ways are of a plane of their own, as it lies.
+PlaneMesh square_with_an_island(int cells, int first, int last)
 {
-    auto mesh = join_sheets({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 30}});
+    auto mesh = join_sheets({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, cells}});
     mesh.plane.push_back(mesh.plane[0]);
     mesh.moments.push_back(mesh.moments[0]);
-    for (int j = 10; j < 20; ++j)
-        for (int i = 10; i < 20; ++i)
+    for (int j = first; j < last; ++j)
+        for (int i = first; i < last; ++i)
             for (int half = 0; half < 2; ++half)
-                mesh.face_plane[static_cast<std::size_t>(2 * (30 * j + i) + half)] = 1;
+                mesh.face_plane[static_cast<std::size_t>(2 * (cells * j + i) + half)] = 1;
     mesh.vertex_class = classify_vertices(mesh.mesh, mesh.face_plane);
-    const auto result = simplify(mesh, {});
+    return mesh;
+}
+
+TEST(Simplify, KeepsAnIslandInsideAPlane)
+{
+    const auto result = simplify(square_with_an_island(30, 10, 20), {});
     ASSERT_EQ(result.plane.size(), 2u);
     EXPECT_TRUE(is_clean(result));
     double island = 0.0;
@@ -121,6 +127,22 @@ TEST(Simplify, KeepsAnIslandInsideAPlane)
         if (result.face_plane[f] == 1) island += face_area(result.mesh, f);
     EXPECT_NEAR(island, 1.0 / 9.0, 0.02);
     EXPECT_LT(result.mesh.face.size(), 40u);
+}
+
+TEST(Simplify, TakesAnIslandTooSmallToTellIntoThePlaneAroundIt)
+{
+    const auto result = simplify(square_with_an_island(100, 50, 52), {});
+    EXPECT_EQ(result.plane.size(), 1u);
+    EXPECT_EQ(result.mesh.face.size(), 2u);
+}
+
+TEST(Simplify, KeepsASmallIslandThatStandsOut)
+{
+    auto mesh = square_with_an_island(100, 50, 52);
+    mesh.mesh.position[51 * 101 + 51].z() = 0.03f; // its middle
+    const auto result = simplify(mesh, {});
+    EXPECT_EQ(result.plane.size(), 2u);
+    EXPECT_TRUE(is_clean(result));
 }
 
 // A square of 1 cm cells with a tab on one side that is turned over along its length: seen along the normal, the border
