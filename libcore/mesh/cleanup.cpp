@@ -1,5 +1,6 @@
 #include "mesh/cleanup.h"
 
+#include "geometry/radix_sort.h"
 #include "geometry/union_find.h"
 #include "mesh/adjacency.h"
 #include "mesh/morton.h"
@@ -44,31 +45,6 @@ void gather_vertices(TriangleMesh& mesh, const std::vector<VertexId>& source)
     gather(mesh.position, source);
     gather(mesh.color, source);
     gather(mesh.normal, source);
-}
-
-struct Keyed {
-    std::uint64_t key;
-    VertexId vertex;
-};
-
-// Sorts by key with a stable radix sort of 11-bit digits; digits that all keys share cost one pass of counting.
-void radix_sort(std::vector<Keyed>& items)
-{
-    constexpr int kDigitBits = 11;
-    constexpr std::size_t kDigits = std::size_t{1} << kDigitBits;
-    std::vector<Keyed> buffer(items.size());
-    std::vector<std::size_t> start(kDigits + 1);
-    for (int shift = 0; shift < 64; shift += kDigitBits) {
-        const auto digit = [&](const Keyed& item) { return (item.key >> shift) & (kDigits - 1); };
-        std::fill(start.begin(), start.end(), 0);
-        for (const auto& item : items)
-            ++start[digit(item) + 1];
-        if (std::find(start.begin(), start.end(), items.size()) != start.end()) continue;
-        std::partial_sum(start.begin(), start.end(), start.begin());
-        for (const auto& item : items)
-            buffer[start[digit(item)]++] = item;
-        items.swap(buffer);
-    }
 }
 
 // Cells of a grid over the bounding box.
@@ -130,7 +106,7 @@ void for_vertices_in_cell(const std::vector<Keyed>& items, std::uint64_t key, co
     auto it = std::lower_bound(items.begin(), items.end(), key,
                                [](const Keyed& item, std::uint64_t k) { return item.key < k; });
     for (; it != items.end() && it->key == key; ++it)
-        visit(it->vertex);
+        visit(it->item);
 }
 
 // For every vertex the vertex it is merged into: the first one at the same position.
@@ -162,8 +138,8 @@ std::vector<VertexId> first_within(const TriangleMesh& mesh, double tolerance)
         cells.for_neighbours(p, [&](std::uint64_t key) {
             auto it = std::lower_bound(items.begin(), items.end(), key,
                                        [](const Keyed& i, std::uint64_t k) { return i.key < k; });
-            for (; it != items.end() && it->key == key && it->vertex < best; ++it) { // ascending within a cell
-                const VertexId u = it->vertex;
+            for (; it != items.end() && it->key == key && it->item < best; ++it) { // ascending within a cell
+                const VertexId u = it->item;
                 if (target[u] == u && (mesh.position[u] - p).squaredNorm() <= squared) best = u;
             }
         });
@@ -317,8 +293,8 @@ void sort_along_morton(TriangleMesh& mesh)
     const auto items = sorted_by_cell(mesh, Cells(mesh, 0.0));
     std::vector<VertexId> source(items.size()), name(items.size());
     for (VertexId v = 0; v < items.size(); ++v) {
-        source[v] = items[v].vertex;
-        name[items[v].vertex] = v;
+        source[v] = items[v].item;
+        name[items[v].item] = v;
     }
     gather_vertices(mesh, source);
     for (auto& face : mesh.face)

@@ -1,41 +1,77 @@
 #include "simplify/clean.h"
 
+#include "base/parallel.h"
+#include "geometry/radix_sort.h"
 #include "geometry/union_find.h"
 #include "mesh/adjacency.h"
 #include "mesh/cleanup.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <numeric>
+#include <optional>
 #include <span>
 #include <tuple>
 
 namespace quoin {
 namespace {
 
+constexpr std::size_t kVertexGrain = 1 << 14;
+
 struct Cell {
     std::array<std::int64_t, 3> at{};
     VertexId vertex = 0;
 };
 
-// For every vertex the smallest id in its grid cell.
-std::vector<VertexId> weld_map(const TriangleMesh& mesh, double distance)
+// nullopt: outside of all numbers of cells.
+std::optional<Cell> cell_of(const TriangleMesh& mesh, VertexId v, double distance)
 {
-    std::vector<VertexId> map(mesh.position.size());
-    std::vector<Cell> cells;
-    cells.reserve(map.size());
-    for (VertexId v = 0; v < map.size(); ++v) {
-        map[v] = v;
-        if (!mesh.position[v].allFinite()) continue;
-        const Eigen::Vector3d p = (mesh.position[v].cast<double>() / distance).array().round();
-        if (p.cwiseAbs().maxCoeff() > 9e18) continue;
-        cells.push_back({{std::llround(p.x()), std::llround(p.y()), std::llround(p.z())}, v});
-    }
+    const Eigen::Vector3d p = (mesh.position[v].cast<double>() / distance).array().round();
+    if (!p.allFinite() || p.cwiseAbs().maxCoeff() > 9e18) return {};
+    return Cell{{std::llround(p.x()), std::llround(p.y()), std::llround(p.z())}, v};
+}
+
+// Spread evenly over 32 bits.
+std::uint64_t hash_of(const Cell& cell)
+{
+    std::uint64_t hash = 0;
+    for (const std::int64_t at : cell.at)
+        hash = (hash ^ static_cast<std::uint64_t>(at)) * 0x9e3779b97f4a7c15u;
+    return hash >> 32;
+}
+
+// Names the vertices of each cell after the first of them.
+void name_by_cell(std::vector<Cell>& cells, std::vector<VertexId>& name)
+{
     std::sort(cells.begin(), cells.end(),
               [](const Cell& a, const Cell& b) { return std::tie(a.at, a.vertex) < std::tie(b.at, b.vertex); });
     for (std::size_t i = 1; i < cells.size(); ++i)
-        if (cells[i].at == cells[i - 1].at) map[cells[i].vertex] = map[cells[i - 1].vertex];
-    return map;
+        if (cells[i].at == cells[i - 1].at) name[cells[i].vertex] = name[cells[i - 1].vertex];
+}
+
+// For every vertex the smallest id in its grid cell.
+std::vector<VertexId> weld_map(const TriangleMesh& mesh, double distance)
+{
+    std::vector<VertexId> name(mesh.position.size());
+    std::iota(name.begin(), name.end(), 0u);
+    std::vector<Keyed> keys;
+    keys.reserve(name.size());
+    for (VertexId v = 0; v < name.size(); ++v)
+        if (const auto cell = cell_of(mesh, v, distance)) keys.push_back({hash_of(*cell), v});
+    radix_sort(keys);
+    std::vector<Cell> cells;
+    for (std::size_t begin = 0, end = 0; begin < keys.size(); begin = end) {
+        for (end = begin + 1; end < keys.size() && keys[end].key == keys[begin].key;)
+            ++end;
+        if (end == begin + 1) continue;
+        cells.clear();
+        for (std::size_t i = begin; i < end; ++i)
+            cells.push_back(*cell_of(mesh, keys[i].item, distance));
+        name_by_cell(cells, name);
+    }
+    return name;
 }
 
 Face sorted(Face face)
@@ -77,6 +113,66 @@ std::vector<std::uint8_t> repeated_faces(const TriangleMesh& mesh)
     return repeated;
 }
 
+// Two faces with the same vertices share all their edges.
+bool may_repeat_faces(const std::vector<std::uint32_t>& opposite)
+{
+    for (std::size_t h = 0; h < opposite.size(); h += 3) {
+        const std::uint32_t a = opposite[h], b = opposite[h + 1], c = opposite[h + 2];
+        if (a == kNonManifoldEdge || b == kNonManifoldEdge || c == kNonManifoldEdge) return true;
+        if (is_half_edge(a) && is_half_edge(b) && is_half_edge(c) && a / 3 == b / 3 && b / 3 == c / 3) return true;
+    }
+    return false;
+}
+
+// Corners that are reached from one by turning about its vertex, across edges of two faces; `closed` if back to it.
+struct Turn {
+    std::uint32_t corners = 0;
+    bool closed = false;
+};
+
+// first: the edge of the face to go across first, of the two at its corner k: k or k + 2.
+Turn turn_about(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite, std::uint32_t corner,
+                std::uint32_t first)
+{
+    const VertexId v = mesh.face[corner / 3][corner % 3];
+    Turn turn;
+    std::uint32_t h = first;
+    while (is_half_edge(opposite[h])) {
+        const std::uint32_t o = opposite[h], f = o / 3;
+        if (f == corner / 3) return {turn.corners, true};
+        ++turn.corners;
+        const auto at = static_cast<std::uint32_t>(std::ranges::find(mesh.face[f], v) - mesh.face[f].begin());
+        const std::uint32_t one = 3 * f + at, other = 3 * f + (at + 2) % 3;
+        h = o == one ? other : one;
+    }
+    return turn;
+}
+
+// Does every edge have two faces at most, and do those of every vertex hang together over its edges?
+bool is_one_fan_a_vertex(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite)
+{
+    if (std::ranges::find(opposite, kNonManifoldEdge) != opposite.end()) return false;
+    constexpr std::uint32_t kNone = 0xffffffffu;
+    std::vector<std::uint32_t> corners(mesh.position.size(), 0), first(mesh.position.size(), kNone);
+    for (std::uint32_t c = 0; c < opposite.size(); ++c) {
+        const VertexId v = mesh.face[c / 3][c % 3];
+        ++corners[v];
+        first[v] = std::min(first[v], c);
+    }
+    std::atomic<bool> found = true;
+    parallel_chunks(corners.size(), kVertexGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) {
+            if (corners[v] == 0) continue;
+            const std::uint32_t c = first[v], back = c / 3 * 3 + (c % 3 + 2) % 3;
+            const Turn one = turn_about(mesh, opposite, c, c);
+            const std::uint32_t reached =
+                1 + one.corners + (one.closed ? 0 : turn_about(mesh, opposite, c, back).corners);
+            if (reached != corners[v]) found = false;
+        }
+    });
+    return found;
+}
+
 // An edge of a face as it is sorted: faces of one edge side by side, those of one plane next to each other.
 struct CrowdedUse {
     VertexId low = 0, high = 0;
@@ -87,8 +183,8 @@ struct CrowdedUse {
 
 class FanSplitter {
 public:
-    explicit FanSplitter(PlaneMesh& mesh)
-        : mesh_(mesh), opposite_(opposite_half_edges(mesh.mesh)), corners_(3 * mesh.mesh.face.size())
+    FanSplitter(PlaneMesh& mesh, std::vector<std::uint32_t> opposite)
+        : mesh_(mesh), opposite_(std::move(opposite)), corners_(3 * mesh.mesh.face.size())
     {
     }
 
@@ -235,15 +331,20 @@ std::vector<std::uint32_t> clean_input(PlaneMesh& mesh, const SimplifyParams& pa
                 v = name[v];
     }
     keep_faces(mesh, [&](FaceId f) { return usable(mesh.mesh, mesh.mesh.face[f]); });
-    const auto repeated = repeated_faces(mesh.mesh);
-    keep_faces(mesh, [&](FaceId f) { return repeated[f] == 0; });
     mesh.mesh.normal.clear();
-    return FanSplitter(mesh).split();
+    auto opposite = opposite_half_edges(mesh.mesh);
+    if (may_repeat_faces(opposite)) {
+        const auto repeated = repeated_faces(mesh.mesh);
+        keep_faces(mesh, [&](FaceId f) { return repeated[f] == 0; });
+        opposite = opposite_half_edges(mesh.mesh);
+    }
+    if (is_one_fan_a_vertex(mesh.mesh, opposite)) return opposite;
+    return FanSplitter(mesh, std::move(opposite)).split();
 }
 
 void finish(PlaneMesh& mesh, const SimplifyParams& params, PlaneParts parts)
 {
-    FanSplitter(mesh).split();
+    FanSplitter(mesh, opposite_half_edges(mesh.mesh)).split();
     separate_parts(mesh, params.snap_distance, parts);
     remove_isolated_vertices(mesh.mesh);
     drop_empty_planes(mesh);

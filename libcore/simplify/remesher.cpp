@@ -201,9 +201,10 @@ void Remesher::thin_free_curves()
     const Outlines outlines(part_.mesh, curves_, filled_);
     dirty_.assign(curves_.curve.size(), 0);
     std::vector<CurveId> again = free_;
+    CurveThinner thinner(part_.mesh, curves_, position_, params_);
     Flags changed(flat_.size(), 1);
     do {
-        thin_curves(CurveFit(part_.mesh, curves_, position_, params_), again, bounds_, curves_, position_);
+        thinner.thin(again, bounds_);
         if (!tighten(outlines, changed)) return;
         again.clear();
         for (const CurveId id : free_)

@@ -22,17 +22,11 @@ struct CurveContraction {
     }
 };
 
-// What is one per slot is shared by all curves, each of which touches its own.
-struct SlotState {
-    std::vector<Quadric> quadric;
-    std::vector<std::uint32_t> version;
-};
-
-class CurveThinner {
+class OneCurveThinner {
 public:
-    CurveThinner(const CurveFit& fit, const CurveBounds& bounds, SlotState& slots, Curves& curves,
-                 std::vector<Eigen::Vector3d>& position)
-        : fit_(fit), bounds_(bounds), slots_(slots), curves_(curves), position_(position)
+    OneCurveThinner(const CurveFit& fit, const CurveBounds& bounds, std::vector<Quadric>& quadric,
+                    std::vector<std::uint32_t>& version, Curves& curves, std::vector<Eigen::Vector3d>& position)
+        : fit_(fit), bounds_(bounds), quadric_(quadric), version_(version), curves_(curves), position_(position)
     {
     }
 
@@ -40,8 +34,8 @@ public:
     {
         Curve& curve = curves_.curve[id];
         for (std::uint32_t s = curve.first; s < curve.first + curve.count; ++s)
-            slots_.quadric[s] = {};
-        fit_.add_quadrics(curve, slots_.quadric);
+            quadric_[s] = {};
+        fit_.add_quadrics(curve, quadric_);
         edges_ = 0;
         for_each_edge(curve, [&](std::uint32_t) { ++edges_; });
         // Joins make room for others that were refused before.
@@ -68,7 +62,7 @@ private:
         while (!heap_.empty() && edges_ > least_edges) {
             const CurveContraction best = heap_.top();
             heap_.pop();
-            if (slots_.version[best.first] == best.first_version && slots_.version[best.second] == best.second_version)
+            if (version_[best.first] == best.first_version && version_[best.second] == best.second_version)
                 try_join(curve, best.first, best.second);
         }
         heap_ = {};
@@ -78,13 +72,12 @@ private:
     {
         const std::uint32_t second = curves_.next[first];
         if (second == Curves::kNone || (fit_.corner(first) && fit_.corner(second))) return;
-        heap_.push(
-            {fit_.cost(first, second, slots_.quadric), first, second, slots_.version[first], slots_.version[second]});
+        heap_.push({fit_.cost(first, second, quadric_), first, second, version_[first], version_[second]});
     }
 
     void try_join(Curve& curve, std::uint32_t s, std::uint32_t t)
     {
-        for (const Eigen::Vector3d& x : {fit_.target(s, t, slots_.quadric), fit_.position(s), fit_.position(t)}) {
+        for (const Eigen::Vector3d& x : {fit_.target(s, t, quadric_), fit_.position(s), fit_.position(t)}) {
             const bool moves_corner =
                 (fit_.corner(s) && x != fit_.position(s)) || (fit_.corner(t) && x != fit_.position(t));
             if (moves_corner || !fit_.fits(s, t, x, &bounds_.tolerance)) continue;
@@ -102,9 +95,9 @@ private:
         if (next != Curves::kNone) curves_.previous[next] = previous;
         curves_.next[gone] = curves_.previous[gone] = Curves::kNone;
         if (gone == curve.head) curve.head = kept;
-        slots_.quadric[kept] += slots_.quadric[gone];
-        ++slots_.version[gone];
-        ++slots_.version[kept];
+        quadric_[kept] += quadric_[gone];
+        ++version_[gone];
+        ++version_[kept];
         --edges_;
         if (curves_.previous[kept] != Curves::kNone) push(curves_.previous[kept]);
         push(kept);
@@ -112,7 +105,8 @@ private:
 
     const CurveFit& fit_;
     const CurveBounds& bounds_;
-    SlotState& slots_;
+    std::vector<Quadric>& quadric_;       // one per slot
+    std::vector<std::uint32_t>& version_; // one per slot
     Curves& curves_;
     std::vector<Eigen::Vector3d>& position_;
     std::priority_queue<CurveContraction, std::vector<CurveContraction>, std::greater<>> heap_;
@@ -121,12 +115,17 @@ private:
 
 } // namespace
 
-void thin_curves(const CurveFit& fit, std::span<const CurveId> which, const CurveBounds& bounds, Curves& curves,
-                 std::vector<Eigen::Vector3d>& position)
+CurveThinner::CurveThinner(const PlaneMesh& planes, Curves& curves, std::vector<Eigen::Vector3d>& position,
+                           const SimplifyParams& params)
+    : curves_(curves), position_(position), fit_(planes, curves, position, params), quadric_(curves.size()),
+      version_(curves.size(), 0)
 {
-    SlotState slots{std::vector<Quadric>(curves.size()), std::vector<std::uint32_t>(curves.size(), 0)};
+}
+
+void CurveThinner::thin(std::span<const CurveId> which, const CurveBounds& bounds)
+{
     parallel_chunks(which.size(), kCurveGrain, [&](std::size_t begin, std::size_t end) {
-        CurveThinner thinner(fit, bounds, slots, curves, position);
+        OneCurveThinner thinner(fit_, bounds, quadric_, version_, curves_, position_);
         for (std::size_t i = begin; i < end; ++i)
             thinner.run(which[i]);
     });
