@@ -18,7 +18,7 @@ struct PartitionParams {
     GrowthMethod method = GrowthMethod::Hybrid;
     double min_facing = 0.5;
     double max_part_angle = 80.0;
-    int round_faces = 12;
+    int round_faces = 24;
     int round_reserve = 2;
     double grow_angle = 30.0;
     int refine_rounds = 8;

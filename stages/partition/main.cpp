@@ -9,7 +9,7 @@ int main(int argc, char** argv)
     const Stage stage{
         .name = "partition",
         .summary = "divides the faces of a dense mesh into near-planar clusters and fits a plane to each",
-        .impl_version = 4,
+        .impl_version = 5,
         .inputs =
             {{"mesh",
               "the dense mesh; degenerate and duplicate faces may be there, positions that are not finite may not"}},
