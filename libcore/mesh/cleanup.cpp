@@ -3,6 +3,7 @@
 #include "geometry/radix_sort.h"
 #include "geometry/union_find.h"
 #include "mesh/adjacency.h"
+#include "mesh/fans.h"
 #include "mesh/morton.h"
 
 #include <Eigen/Geometry>
@@ -227,45 +228,7 @@ RemovedComponents drop_small_components(TriangleMesh& mesh, std::size_t min_face
     return removed;
 }
 
-std::size_t split_touching_fans(TriangleMesh& mesh)
-{
-    // Corners of one fan are one set: half-edge h = 3 f + k starts at corner k of f, and its next one ends there.
-    const auto opposite = opposite_half_edges(mesh);
-    UnionFind fans(opposite.size());
-    const auto join = [&](std::uint32_t a, std::uint32_t b) {
-        a = fans.find(a);
-        b = fans.find(b);
-        if (a != b) fans.join(std::min(a, b), std::max(a, b));
-    };
-    const auto vertex_of = [&](std::uint32_t corner) -> VertexId& { return mesh.face[corner / 3][corner % 3]; };
-    const auto next = [](std::uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; };
-    for (std::uint32_t h = 0; h < opposite.size(); ++h) {
-        if (!is_half_edge(opposite[h])) continue;
-        const std::uint32_t o = opposite[h];
-        const bool opposed = vertex_of(h) == vertex_of(next(o));
-        join(h, opposed ? next(o) : o);
-        join(next(h), opposed ? o : next(o));
-    }
-    std::vector<std::uint32_t> owner(mesh.position.size(), kNoVertex); // the fan that keeps the vertex
-    std::vector<VertexId> name(opposite.size());                       // of every fan, at its root
-    std::vector<VertexId> source(mesh.position.size());
-    std::iota(source.begin(), source.end(), 0u);
-    for (std::uint32_t corner = 0; corner < opposite.size(); ++corner) {
-        if (!fans.is_root(corner)) continue; // roots are the smallest corners, so they come first
-        const VertexId v = vertex_of(corner);
-        name[corner] = owner[v] == kNoVertex ? v : static_cast<VertexId>(source.size());
-        if (owner[v] == kNoVertex)
-            owner[v] = corner;
-        else
-            source.push_back(v);
-    }
-    const std::size_t added = source.size() - mesh.position.size();
-    if (added == 0) return 0;
-    for (std::uint32_t corner = 0; corner < opposite.size(); ++corner)
-        vertex_of(corner) = name[fans.find(corner)];
-    gather_vertices(mesh, source);
-    return added;
-}
+std::size_t split_touching_fans(TriangleMesh& mesh) { return split_touching_fans(mesh, opposite_half_edges(mesh)); }
 
 std::size_t remove_isolated_vertices(TriangleMesh& mesh)
 {

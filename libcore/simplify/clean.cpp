@@ -1,14 +1,13 @@
 #include "simplify/clean.h"
 
-#include "base/parallel.h"
 #include "geometry/radix_sort.h"
 #include "geometry/union_find.h"
 #include "mesh/adjacency.h"
 #include "mesh/cleanup.h"
+#include "mesh/fans.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <numeric>
 #include <optional>
@@ -17,8 +16,6 @@
 
 namespace quoin {
 namespace {
-
-constexpr std::size_t kVertexGrain = 1 << 14;
 
 struct Cell {
     std::array<std::int64_t, 3> at{};
@@ -122,55 +119,6 @@ bool may_repeat_faces(const std::vector<std::uint32_t>& opposite)
         if (is_half_edge(a) && is_half_edge(b) && is_half_edge(c) && a / 3 == b / 3 && b / 3 == c / 3) return true;
     }
     return false;
-}
-
-// Corners that are reached from one by turning about its vertex, across edges of two faces; `closed` if back to it.
-struct Turn {
-    std::uint32_t corners = 0;
-    bool closed = false;
-};
-
-// first: the edge of the face to go across first, of the two at its corner k: k or k + 2.
-Turn turn_about(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite, std::uint32_t corner,
-                std::uint32_t first)
-{
-    const VertexId v = mesh.face[corner / 3][corner % 3];
-    Turn turn;
-    std::uint32_t h = first;
-    while (is_half_edge(opposite[h])) {
-        const std::uint32_t o = opposite[h], f = o / 3;
-        if (f == corner / 3) return {turn.corners, true};
-        ++turn.corners;
-        const auto at = static_cast<std::uint32_t>(std::ranges::find(mesh.face[f], v) - mesh.face[f].begin());
-        const std::uint32_t one = 3 * f + at, other = 3 * f + (at + 2) % 3;
-        h = o == one ? other : one;
-    }
-    return turn;
-}
-
-// Does every edge have two faces at most, and do those of every vertex hang together over its edges?
-bool is_one_fan_a_vertex(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite)
-{
-    if (std::ranges::find(opposite, kNonManifoldEdge) != opposite.end()) return false;
-    constexpr std::uint32_t kNone = 0xffffffffu;
-    std::vector<std::uint32_t> corners(mesh.position.size(), 0), first(mesh.position.size(), kNone);
-    for (std::uint32_t c = 0; c < opposite.size(); ++c) {
-        const VertexId v = mesh.face[c / 3][c % 3];
-        ++corners[v];
-        first[v] = std::min(first[v], c);
-    }
-    std::atomic<bool> found = true;
-    parallel_chunks(corners.size(), kVertexGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t v = begin; v < end; ++v) {
-            if (corners[v] == 0) continue;
-            const std::uint32_t c = first[v], back = c / 3 * 3 + (c % 3 + 2) % 3;
-            const Turn one = turn_about(mesh, opposite, c, c);
-            const std::uint32_t reached =
-                1 + one.corners + (one.closed ? 0 : turn_about(mesh, opposite, c, back).corners);
-            if (reached != corners[v]) found = false;
-        }
-    });
-    return found;
 }
 
 // An edge of a face as it is sorted: faces of one edge side by side, those of one plane next to each other.
@@ -338,7 +286,10 @@ std::vector<std::uint32_t> clean_input(PlaneMesh& mesh, const SimplifyParams& pa
         keep_faces(mesh, [&](FaceId f) { return repeated[f] == 0; });
         opposite = opposite_half_edges(mesh.mesh);
     }
-    if (is_one_fan_a_vertex(mesh.mesh, opposite)) return opposite;
+    if (std::ranges::find(opposite, kNonManifoldEdge) == opposite.end()) {
+        split_touching_fans(mesh.mesh, opposite);
+        return opposite;
+    }
     return FanSplitter(mesh, std::move(opposite)).split();
 }
 
