@@ -19,7 +19,7 @@ struct PartitionParams {
     double min_facing = 0.5;
     double max_part_angle = 80.0;
     int round_faces = 24;
-    int round_reserve = 2;
+    int round_reserve = 6;
     double grow_angle = 30.0;
     int refine_rounds = 8;
     double border_distance = 0.003;
