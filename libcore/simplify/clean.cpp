@@ -1,5 +1,6 @@
 #include "simplify/clean.h"
 
+#include "base/parallel.h"
 #include "geometry/radix_sort.h"
 #include "geometry/union_find.h"
 #include "mesh/adjacency.h"
@@ -16,6 +17,9 @@
 
 namespace quoin {
 namespace {
+
+constexpr std::size_t kVertexGrain = 1 << 14;
+constexpr std::uint64_t kNoCell = ~std::uint64_t{0}; // no hash: these have 32 bits
 
 struct Cell {
     std::array<std::int64_t, 3> at{};
@@ -53,10 +57,16 @@ std::vector<VertexId> weld_map(const TriangleMesh& mesh, double distance)
 {
     std::vector<VertexId> name(mesh.position.size());
     std::iota(name.begin(), name.end(), 0u);
-    std::vector<Keyed> keys;
-    keys.reserve(name.size());
-    for (VertexId v = 0; v < name.size(); ++v)
-        if (const auto cell = cell_of(mesh, v, distance)) keys.push_back({hash_of(*cell), v});
+    std::vector<Keyed> keys(name.size());
+    parallel_for(
+        keys.size(),
+        [&](std::size_t i) {
+            const auto v = static_cast<VertexId>(i);
+            const auto cell = cell_of(mesh, v, distance);
+            keys[i] = {cell ? hash_of(*cell) : kNoCell, v};
+        },
+        kVertexGrain);
+    std::erase_if(keys, [](const Keyed& key) { return key.key == kNoCell; });
     radix_sort(keys);
     std::vector<Cell> cells;
     for (std::size_t begin = 0, end = 0; begin < keys.size(); begin = end) {

@@ -1,11 +1,14 @@
 #include "simplify/curves.h"
 
+#include "base/parallel.h"
 #include "mesh/adjacency.h"
 
 #include <algorithm>
 
 namespace quoin {
 namespace {
+
+constexpr std::size_t kHalfEdgeGrain = 1 << 16;
 
 struct BorderEdge {
     std::array<VertexId, 2> end{};
@@ -149,13 +152,21 @@ void Curves::restore(Curve& c)
 
 std::vector<std::uint32_t> border_half_edges(const PlaneMesh& mesh, const std::vector<std::uint32_t>& opposite)
 {
-    std::vector<std::uint32_t> border;
-    for (std::uint32_t h = 0; h < opposite.size(); ++h) {
-        const std::uint32_t o = opposite[h];
-        if (o == kBorderEdge || (o != kNonManifoldEdge && h < o && mesh.face_plane[h / 3] != mesh.face_plane[o / 3]))
-            border.push_back(h);
-    }
-    return border;
+    using HalfEdges = std::vector<std::uint32_t>;
+    const auto find = [&](std::size_t begin, std::size_t end) {
+        HalfEdges border;
+        for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
+            const std::uint32_t o = opposite[h];
+            if (o == kBorderEdge || (is_half_edge(o) && h < o && mesh.face_plane[h / 3] != mesh.face_plane[o / 3]))
+                border.push_back(h);
+        }
+        return border;
+    };
+    const auto append = [](HalfEdges all, const HalfEdges& more) {
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    };
+    return parallel_reduce(opposite.size(), kHalfEdgeGrain, HalfEdges(), find, append);
 }
 
 Curves trace_curves(const PlaneMesh& mesh, const std::vector<std::uint32_t>& opposite,

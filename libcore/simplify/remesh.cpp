@@ -21,7 +21,7 @@ void give_up_bent_zones(Zones& zones, const SimplifyParams& params)
     for (PlaneId z = 0; z < zones.size(); ++z)
         if (params.max_inner_error > 0.0 && rms_to_plane(zones.moments(z), zones.plane(z)) > params.max_inner_error)
             zones.give_up(z);
-    for (const Curve& curve : zones.part().curves.curve)
+    for (const ZonePart part = zones.part(); const Curve& curve : part.curves.curve)
         for (std::size_t k = 0; k < 2; ++k)
             if (curve.planes[k] != kNoPlane && curve.runs[k] == 0) zones.give_up(curve.planes[k]);
 }

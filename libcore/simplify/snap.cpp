@@ -76,7 +76,13 @@ void trim_ears(PlaneMesh& mesh, const std::vector<std::uint32_t>& opposite, cons
     std::vector<std::size_t> size(mesh.plane.size(), 0);
     for (const PlaneId p : mesh.face_plane)
         ++size[p];
-    std::vector<std::uint8_t> stirred(mesh.mesh.face.size(), 1); // has a neighbour gone over since it was looked at?
+    std::vector<std::uint8_t> stirred(mesh.mesh.face.size()); // may it be an ear?
+    parallel_for(
+        stirred.size(),
+        [&](std::size_t f) {
+            stirred[f] = plane_behind_ear(mesh, opposite, static_cast<FaceId>(f)) == kNoPlane ? 0 : 1;
+        },
+        kSnapGrain);
     // Every ear that goes over shortens the borders by an edge, so this ends.
     for (bool changed = true; changed;) {
         changed = false;

@@ -16,7 +16,7 @@ constexpr std::uint32_t kNone = 0xffffffffu;
 Zones::Zones(PlaneMesh mesh, std::vector<std::uint32_t> opposite)
     : mesh_(std::move(mesh)), opposite_(std::move(opposite)), plane_of_(mesh_.plane.size()),
       faces_(mesh_.plane.size(), 0), failed_(mesh_.plane.size(), 0), rough_(mesh_.plane.size(), 0),
-      pending_(mesh_.plane.size(), 1), mark_(mesh_.face_plane.size(), 0)
+      pending_(mesh_.plane.size(), 1), noted_(mesh_.plane.size(), 0), mark_(mesh_.face_plane.size(), 0)
 {
     std::iota(plane_of_.begin(), plane_of_.end(), 0u);
     separate_pieces();
@@ -57,8 +57,9 @@ std::size_t Zones::rough_count() const
     return static_cast<std::size_t>(std::count(rough_.begin(), rough_.end(), std::uint8_t{1}));
 }
 
-ZonePart Zones::part() const
+ZonePart Zones::part()
 {
+    note_rough_zones();
     ZonePart part;
     std::vector<std::uint32_t> border;
     for (const std::uint32_t h : border_) {
@@ -82,18 +83,31 @@ ZonePart Zones::part() const
     return part;
 }
 
+// Vertices inside a rough zone stay inside it, so that no edge is missed.
+void Zones::note_edges(FaceId f)
+{
+    const auto inner = [&](VertexId v) { return mesh_.vertex_class[v] == VertexClass::Inner; };
+    for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h)
+        if (const auto [a, b] = ends(h); !inner(a) && !inner(b)) rough_edge_.push_back({a, b});
+}
+
+// Zones that were given up as a whole; edges of knots are noted as they are cut out.
+void Zones::note_rough_zones()
+{
+    if (noted_ == rough_) return;
+    for (FaceId f = 0; f < mesh_.face_plane.size(); ++f)
+        if (const PlaneId zone = mesh_.face_plane[f]; rough(zone) && !noted_[zone]) note_edges(f);
+    noted_ = rough_;
+}
+
 std::vector<std::array<VertexId, 2>> Zones::rough_edges(const ZonePart& part) const
 {
     const auto corner = [&](VertexId v) { return mesh_.vertex_class[v] == VertexClass::Corner; };
     std::vector<std::array<VertexId, 2>> edges;
-    for (FaceId f = 0; f < mesh_.face_plane.size(); ++f) {
-        if (!rough(mesh_.face_plane[f])) continue;
-        for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h) {
-            const auto [a, b] = ends(h);
-            if (!corner(a) || !corner(b) || !part.has(a) || !part.has(b)) continue;
-            const auto [low, high] = std::minmax({part.index(a), part.index(b)}); // by value
-            edges.push_back({low, high});
-        }
+    for (const auto& [a, b] : rough_edge_) {
+        if (!corner(a) || !corner(b) || !part.has(a) || !part.has(b)) continue;
+        const auto [low, high] = std::minmax({part.index(a), part.index(b)}); // by value
+        edges.push_back({low, high});
     }
     return edges;
 }
@@ -106,6 +120,7 @@ PlaneId Zones::add_zone(PlaneId from)
     faces_.push_back(0);
     failed_.push_back(failed_[from]);
     rough_.push_back(0);
+    noted_.push_back(0);
     pending_.push_back(1);
     return static_cast<PlaneId>(size() - 1);
 }

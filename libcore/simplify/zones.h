@@ -48,7 +48,7 @@ public:
     std::size_t rough_count() const;
     // Is the flat zone to be filled, or filled again since a cut came near it?
     bool pending(PlaneId zone) const { return pending_[zone] != 0; }
-    ZonePart part() const;
+    ZonePart part();
 
     // What was found in one attempt to lay a zone flat.
     struct Failure {
@@ -67,6 +67,8 @@ private:
     struct Cut;
     void separate_pieces();
     PlaneId add_zone(PlaneId from);
+    void note_edges(FaceId f);
+    void note_rough_zones();
     std::vector<std::array<VertexId, 2>> rough_edges(const ZonePart& part) const;
     std::array<VertexId, 2> ends(std::uint32_t half_edge) const
     {
@@ -91,13 +93,15 @@ private:
 
     PlaneMesh mesh_;
     const std::vector<std::uint32_t> opposite_;
-    std::vector<std::uint32_t> border_; // half-edges, ascending
-    std::vector<PlaneId> plane_of_;     // one a zone
-    std::vector<FaceId> faces_;         // number of faces, one a zone
-    std::vector<std::uint8_t> failed_;  // times, one a zone
-    std::vector<std::uint8_t> rough_;   // one a zone
-    std::vector<std::uint8_t> pending_; // one a zone
-    std::vector<std::uint32_t> mark_;   // F; scratch, 0 in between
+    std::vector<std::uint32_t> border_;               // half-edges, ascending
+    std::vector<PlaneId> plane_of_;                   // one a zone
+    std::vector<FaceId> faces_;                       // number of faces, one a zone
+    std::vector<std::uint8_t> failed_;                // times, one a zone
+    std::vector<std::uint8_t> rough_;                 // one a zone
+    std::vector<std::uint8_t> pending_;               // one a zone
+    std::vector<std::uint8_t> noted_;                 // one a zone: is it rough, and are its edges among rough_edge_?
+    std::vector<std::array<VertexId, 2>> rough_edge_; // of faces of rough zones, between borders
+    std::vector<std::uint32_t> mark_;                 // F; scratch, 0 in between
 };
 
 } // namespace quoin

@@ -14,7 +14,7 @@ namespace quoin {
 namespace {
 
 constexpr std::uint8_t kMostCuts = 24; // of a zone
-constexpr double kFirstReach = 2.0;    // around a knot, in errors of borders
+constexpr double kFirstReach = 1.5;    // around a knot, in errors of borders
 constexpr int kMostDoublings = 2;      // of the reach, one with every cut that did not go far enough
 constexpr std::size_t kMostOfZone = 2; // a cut takes less than one in so many of a zone's faces
 constexpr std::uint32_t kNoCut = 0xffffffffu;
@@ -133,6 +133,7 @@ void Zones::take_out(const Cut& cut, std::vector<std::uint8_t>& stirred)
     ++failed_[zone];
     pending_[zone] = 1;
     rough_[knots] = 1;
+    noted_[knots] = whole ? 0 : 1;
     pending_[knots] = 0;
     for (const FaceId f : cut.face)
         for (const VertexId v : mesh_.mesh.face[f])
@@ -160,6 +161,9 @@ void Zones::cut(const std::vector<Failure>& failures, const SimplifyParams& para
         }
     }
     add_borders(relabelled);
+    for (const Cut& cut : cuts)
+        for (const FaceId f : cut.face)
+            note_edges(f);
     spread_pending(stirred);
 }
 
