@@ -65,7 +65,7 @@ void add_line_depths(const AlignmentScene& scene, const AlignmentState& state, s
         if (!scene.depth_camera.contains(u)) continue;
         const int x = static_cast<int>(std::lround(u.x())), y = static_cast<int>(std::lround(u.y()));
         const double z = images.depth.at(x, y);
-        if (z <= 0.0 || images.near_edge.at(x, y) || std::abs(z - expected.z()) > scene.params.depth_gate) continue;
+        if (z <= 0.0 || std::abs(z - expected.z()) > scene.params.depth_gate) continue;
         const Eigen::Vector3f p = (scene.depth_camera.ray({x, y}) * z).cast<float>();
         for (const PlaneId plane : match.planes)
             samples.push_back({p, plane, static_cast<float>(1.0 / scene.depth_sigma(z))});

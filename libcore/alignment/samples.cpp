@@ -13,6 +13,8 @@
 namespace quoin {
 namespace {
 
+constexpr int kTileBits = 4; // 16 x 16 texels: their pictures stay within a few pages of memory, whatever way is up
+
 struct GridPoint {
     int row, column;
     Eigen::Vector3f p_world;
@@ -79,7 +81,10 @@ std::vector<GridPoint> sample_plane(const PlaneMesh& mesh, PlaneId plane, std::s
     const Grid grid = grid_of(mesh.plane[plane], spacing);
     for (const FaceId f : faces)
         add_face(points, grid, {corner(mesh.mesh, f, 0), corner(mesh.mesh, f, 1), corner(mesh.mesh, f, 2)});
-    const auto place = [](const GridPoint& p) { return std::tuple(p.row, p.column); };
+    // Arithmetic shifts: tiles go on evenly below zero.
+    const auto place = [](const GridPoint& p) {
+        return std::tuple(p.row >> kTileBits, p.column >> kTileBits, p.row, p.column);
+    };
     std::ranges::stable_sort(points, {}, place);
     const auto repeated = std::ranges::unique(points, {}, place);
     points.erase(repeated.begin(), repeated.end());

@@ -11,7 +11,7 @@ namespace quoin {
 
 using TexelId = std::uint32_t;
 
-// Sorted by plane, and inside a plane along its rows.
+// Sorted by plane, and inside a plane by square tiles.
 struct Texels {
     std::vector<Eigen::Vector3f> p_world;      // on the mesh [m]; moves only with its plane, by projection
     std::vector<PlaneId> plane;                // of every texel

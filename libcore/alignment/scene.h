@@ -1,6 +1,8 @@
 // What stays as it is while poses and planes move: mesh, images, calibration of the depth camera, parameters.
 #pragma once
 
+#include "alignment/corner_image.h"
+#include "alignment/depth_edges.h"
 #include "alignment/params.h"
 #include "alignment/state.h"
 #include "image/image.h"
@@ -20,9 +22,8 @@ struct ImageReader {
 };
 
 struct KeyframeImages {
-    std::vector<GrayImage> gray;   // one per level, smoothed; level l is 1/2^l of the size
-    DepthImage depth;              // [m]; empty if the frame has none
-    Image<std::uint8_t> near_edge; // 1 near a jump of the depth; size of `depth`
+    std::vector<CornerImage> gray; // one per level, smoothed; level l is 1/2^l of the size
+    DepthImage depth;              // [m]; negative near a jump; empty if the frame has none
 };
 
 struct AlignmentScene {
@@ -38,13 +39,5 @@ struct AlignmentScene {
 
 AlignmentScene load_scene(const Scan& scan, const ImageReader& read, const Keyframes& keyframes, const PlaneMesh& mesh,
                           const OptimizeTextureParams& params);
-
-// The least step between neighbouring depths that is an edge, by the nearer one: max(least, floor + square z^2) [m].
-struct DepthJump {
-    double least = 0.0, floor = 0.0, square = 0.0;
-};
-
-// Marks pixels within `radius` of an edge. Missing depth is no edge.
-Image<std::uint8_t> near_depth_edges(const DepthImage& depth, int radius, const DepthJump& jump);
 
 } // namespace quoin

@@ -160,11 +160,14 @@ Vignetting estimate_vignetting(const Observations& observations, const std::vect
 void correct(AlignmentScene& scene, const Vignetting& vignetting)
 {
     parallel_for(scene.frames(), [&](std::size_t k) {
-        for (GrayImage& gray : scene.images[k].gray)
+        for (CornerImage& image : scene.images[k].gray) {
+            GrayImage gray = image.gray();
             for (int y = 0; y < gray.height; ++y)
                 for (int x = 0; x < gray.width; ++x)
                     gray.at(x, y) *= static_cast<float>(
                         vignetting.correction(Vignetting::squared_radius(gray.width, gray.height, {x, y})));
+            image = gray;
+        }
     });
 }
 

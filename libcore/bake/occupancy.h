@@ -1,7 +1,7 @@
 // The cells of a page that are taken, and where a shape still fits.
 #pragma once
 
-#include "bake/bit_mask.h"
+#include "image/bit_mask.h"
 
 #include <vector>
 

@@ -1,7 +1,7 @@
 // Shapes onto pages, cell by cell.
 #pragma once
 
-#include "bake/bit_mask.h"
+#include "image/bit_mask.h"
 
 #include <cstdint>
 #include <vector>

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #ifdef __AVX2__
 #include <immintrin.h>
@@ -32,7 +33,17 @@ inline Doubles load(const double* from)
 }
 inline void store(const Floats& lanes, float* to) { std::memcpy(to, &lanes, sizeof lanes); }
 
+inline Ints load(const int* from)
+{
+    Ints lanes;
+    std::memcpy(&lanes, from, sizeof lanes);
+    return lanes;
+}
 inline void store(const Ints& lanes, int* to) { std::memcpy(to, &lanes, sizeof lanes); }
+
+inline Floats each(float value) { return Floats{} + value; }
+inline Floats to_floats(const Ints& lanes) { return __builtin_convertvector(lanes, Floats); }
+inline Ints to_ints(const Floats& lanes) { return __builtin_convertvector(lanes, Ints); } // towards 0
 
 // The first `count` lanes, zero in the others: for the end of an array, of which no more is touched.
 #ifdef __AVX2__
@@ -42,9 +53,16 @@ inline __m256i first_lanes(std::size_t count)
     return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(kMask + kFloats - std::min(count, kFloats)));
 }
 inline Floats load_part(const float* from, std::size_t count) { return _mm256_maskload_ps(from, first_lanes(count)); }
+inline Ints load_part(const std::uint32_t* from, std::size_t count)
+{
+    return reinterpret_cast<Ints>(_mm256_maskload_epi32(reinterpret_cast<const int*>(from), first_lanes(count)));
+}
 inline void store_part(const Floats& lanes, float* to, std::size_t count)
 {
-    _mm256_maskstore_ps(to, first_lanes(count), lanes);
+    if (count >= kFloats)
+        store(lanes, to);
+    else
+        _mm256_maskstore_ps(to, first_lanes(count), lanes);
 }
 inline Doubles load_doubles(const float* from, std::size_t count)
 {
@@ -64,11 +82,62 @@ inline Floats load_part(const float* from, std::size_t count)
     std::memcpy(&lanes, from, std::min(count, kFloats) * sizeof(float));
     return lanes;
 }
+inline Ints load_part(const std::uint32_t* from, std::size_t count)
+{
+    Ints lanes{};
+    std::memcpy(&lanes, from, std::min(count, kFloats) * sizeof(int));
+    return lanes;
+}
 inline void store_part(const Floats& lanes, float* to, std::size_t count)
 {
     std::memcpy(to, &lanes, std::min(count, kFloats) * sizeof(float));
 }
 #endif
+
+// from[index] of every lane.
+inline Floats gather(const float* from, const Ints& index)
+{
+#ifdef __AVX2__
+    return _mm256_i32gather_ps(from, reinterpret_cast<__m256i>(index), sizeof(float));
+#else
+    Floats lanes;
+    for (std::size_t i = 0; i < kFloats; ++i)
+        lanes[i] = from[index[i]];
+    return lanes;
+#endif
+}
+inline Ints gather(const std::uint32_t* from, const Ints& index)
+{
+#ifdef __AVX2__
+    const auto* ints = reinterpret_cast<const int*>(from);
+    return reinterpret_cast<Ints>(_mm256_i32gather_epi32(ints, reinterpret_cast<__m256i>(index), sizeof(int)));
+#else
+    Ints lanes;
+    for (std::size_t i = 0; i < kFloats; ++i)
+        lanes[i] = static_cast<int>(from[index[i]]);
+    return lanes;
+#endif
+}
+
+// from[index] and from[index + 1] of every lane.
+struct IntPairs {
+    Ints first, second;
+};
+inline IntPairs gather_pairs(const std::uint32_t* from, const Ints& index)
+{
+#ifdef __AVX2__
+    // Lanes 0, 1, 4, 5 and 2, 3, 6, 7, so that the halves of both come apart in order.
+    const __m256i order = _mm256_permute4x64_epi64(reinterpret_cast<__m256i>(index), 0b11'01'10'00);
+    const auto* pairs = reinterpret_cast<const long long*>(from);
+    const auto a = reinterpret_cast<__m256>(_mm256_i32gather_epi64(pairs, _mm256_castsi256_si128(order), sizeof(int)));
+    const auto b =
+        reinterpret_cast<__m256>(_mm256_i32gather_epi64(pairs, _mm256_extracti128_si256(order, 1), sizeof(int)));
+    return {reinterpret_cast<Ints>(_mm256_shuffle_ps(a, b, 0b10'00'10'00)),
+            reinterpret_cast<Ints>(_mm256_shuffle_ps(a, b, 0b11'01'11'01))};
+#else
+    return {gather(from, index), gather(from + 1, index)};
+#endif
+}
 
 inline Floats square_root(const Floats& lanes)
 {

@@ -87,7 +87,7 @@ GraySamples sample(const AlignmentState& state, const GrayImage& image, const Ve
     const PlaneMesh mesh;
     const OptimizeTextureParams params;
     AlignmentScene scene{mesh, params, {}, {}};
-    scene.images.push_back({{image}, {}, {}});
+    scene.images.push_back({{image}, {}});
     Texels texels;
     texels.p_world = {p.cast<float>()};
     texels.plane = {0};

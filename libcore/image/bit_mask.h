@@ -1,6 +1,7 @@
-// Sets of cells, 64 of a row in a word: what packing compares.
+// Sets of cells, 64 of a row in a word.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -40,6 +41,16 @@ inline std::uint64_t bits_from(const std::uint64_t* row, int x)
     const std::uint64_t* word = row + x / BitMask::kWordBits;
     const int shift = x % BitMask::kWordBits;
     return shift == 0 ? word[0] : word[0] >> shift | word[1] << (BitMask::kWordBits - shift);
+}
+
+// Calls use(x, y) for every cell of the set, row by row.
+template <class Use>
+void for_each(const BitMask& mask, const Use& use)
+{
+    for (int y = 0; y < mask.height(); ++y)
+        for (int w = 0; w < mask.words(); ++w)
+            for (std::uint64_t left = mask.row(y)[w]; left != 0; left &= left - 1)
+                use(w * BitMask::kWordBits + std::countr_zero(left), y);
 }
 
 // Turned clockwise by a right angle: the left column becomes the top row.

@@ -1,16 +1,11 @@
-#include "bake/bit_mask.h"
-
-#include <bit>
+#include "image/bit_mask.h"
 
 namespace quoin {
 
 BitMask turned(const BitMask& mask)
 {
     BitMask result(mask.height(), mask.width());
-    for (int y = 0; y < mask.height(); ++y)
-        for (int w = 0; w < mask.words(); ++w)
-            for (std::uint64_t left = mask.row(y)[w]; left != 0; left &= left - 1)
-                result.set(mask.height() - 1 - y, w * BitMask::kWordBits + std::countr_zero(left));
+    for_each(mask, [&](int x, int y) { result.set(mask.height() - 1 - y, x); });
     return result;
 }
 
