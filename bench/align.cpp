@@ -28,7 +28,7 @@ private:
 
 constexpr double kTargetNanoseconds = 8.0;
 constexpr double kTargetShare = 0.2; // of the alternating solver's time
-constexpr int kPasses = 301;
+constexpr int kPasses = 9;
 constexpr double kWallSize = 3.0; // [m]
 constexpr double kDistance = 2.0; // of the cameras [m]
 
@@ -105,21 +105,39 @@ AlignmentScene make_scene(const Wall& wall)
     return scene;
 }
 
-// From a state to the weighted, linearised colour term: samples, colours, residuals and weights.
-double pass_seconds(const AlignmentProblem& problem, const AlignmentState& state)
+// The median of passes that each do `work`.
+template <class Work>
+double pass_seconds(const Work& work)
 {
     std::vector<double> seconds;
-    const auto color = texel_colors(problem.observations, sample_grays(problem, state).value, 1.0, 0);
     for (int pass = 0; pass < kPasses; ++pass) {
         const CpuTimer timer;
-        const GraySamples samples = sample_grays(problem, state);
-        const auto residual = color_residuals(problem, state, samples, color);
-        const auto equations = color_equations(problem, state, samples, residual, TexelColors::Frozen);
-        const ColorBlocks blocks = equations.blocks();
-        seconds.push_back(blocks.pose.empty() ? 0.0 : timer.seconds());
+        work();
+        seconds.push_back(timer.seconds());
     }
     std::ranges::sort(seconds);
     return seconds[kPasses / 2];
+}
+
+// Of all observations at frozen colours: residuals alone, and with the normal equations of poses, planes and colour
+// camera (gradient and diagonal blocks); and of the joint solver, whose equations have the colours eliminated.
+void time_passes(const AlignmentProblem& problem, const AlignmentState& state)
+{
+    const auto count = static_cast<double>(problem.observations.size());
+    const Fit start = fit(problem, state);
+    const auto nanoseconds = [&](const auto& work) { return 1e9 * pass_seconds(work) / count; };
+    const double equations = nanoseconds([&] { frozen_colors(problem, state, start.color); });
+    const double residuals = nanoseconds([&] { energies(problem, state, start.color); });
+    const double fits = nanoseconds([&] { fit(problem, state); });
+    const double eliminated = nanoseconds([&] { color_equations(problem, start); });
+    const ColorEquations joint = color_equations(problem, start);
+    StepVector product = StepVector::Ones(joint.layout.size());
+    const double products = nanoseconds([&] { joint.add_product(StepVector::Ones(joint.layout.size()), product); });
+    fmt::print("photometric pass at full resolution {:5.1f} ns an observation and core, target {:.0f} ({:.1f} M); "
+               "residuals alone {:.1f}\n",
+               equations, kTargetNanoseconds, 1e-6 * count, residuals);
+    fmt::print("joint solver: samples and colours {:.1f} ns, equations {:.1f}, a product {:.1f}\n", fits, eliminated,
+               products);
 }
 
 struct Outcome {
@@ -143,10 +161,7 @@ void align(std::size_t views)
     const ProblemSource source{scene, wall.state, wall.params.lambda_p, {}, {}, {}};
     const auto problem =
         make_problem(source, wall.state, 0, wall.params.texel_size * wall.params.texel_stride, TexelChoice::All);
-    const auto count = static_cast<double>(problem.observations.size());
-    fmt::print("photometric pass at full resolution {:5.1f} ns an observation and core, target {:.0f} ({:.1f} M)\n",
-               1e9 * pass_seconds(problem, wall.state) / count, kTargetNanoseconds, 1e-6 * count);
-    if (std::getenv("PASS")) return;
+    time_passes(problem, wall.state);
     const Outcome joint = solve(minimize_jointly, problem, wall.state);
     const auto alternate = [](const AlignmentProblem& wall_problem, const AlignmentState& start) {
         return minimize_alternating(wall_problem, start, [](const AlignmentState&) {});

@@ -1,116 +1,32 @@
 #include "alignment/color_equations.h"
 
-#include "base/lanes.h"
+#include "alignment/flow_sums.h"
+#include "alignment/frame_picture.h"
 #include "base/parallel.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace quoin {
 namespace {
 
 constexpr std::size_t kTexelGrain = 1024;
-constexpr int kFlow = 8; // numbers of a flow
 
-// Notation: g = (g_x, g_y) the derivative of a grey by the place (x, y), r = (x, y, 1), and h = (g_x, g_y, g_z) with
-// g_z = -(g_x x + g_y y): the third row of a flow F moves a point away, and its picture towards the centre. The
-// derivative along F is <h r^T, F>. Its nine terms sum to zero along the diagonal, so that F(2, 2) can be taken off it.
-using FlowVector = Eigen::Matrix<double, kFlow, 1>;
+// Huber's weight of a grey difference over the square of its noise.
+struct ColorWeight {
+    float huber, scale;
 
-FlowVector flow_vector(const Eigen::Matrix3d& F)
-{
-    FlowVector f;
-    f << F(0, 0) - F(2, 2), F(0, 1), F(0, 2), F(1, 0), F(1, 1) - F(2, 2), F(1, 2), F(2, 0), F(2, 1);
-    return f;
-}
-
-Eigen::Matrix3d flow_matrix(const FlowVector& s)
-{
-    Eigen::Matrix3d S;
-    S << s[0], s[1], s[2], s[3], s[4], s[5], s[6], s[7], -(s[0] + s[4]);
-    return S;
-}
-
-// Samples of eight observations; past the end of a run their derivatives are zero.
-struct SampleLanes {
-    Floats by_x, by_y, x, y;
+    explicit ColorWeight(const OptimizeTextureParams& params)
+        : huber(static_cast<float>(params.huber_color)),
+          scale(static_cast<float>(1.0 / (params.sigma_color * params.sigma_color)))
+    {
+    }
+    Floats operator()(const Floats& residual) const
+    {
+        const Floats size = size_of(residual);
+        return scale * (huber / (size > huber ? size : each(huber)));
+    }
 };
-
-[[gnu::always_inline]] inline SampleLanes load_samples(const GraySamples& samples, std::size_t first, std::size_t count)
-{
-    return {load_part(&samples.by_x[first], count), load_part(&samples.by_y[first], count),
-            load_part(&samples.x[first], count), load_part(&samples.y[first], count)};
-}
-
-// The derivatives along F of a run's greys.
-void multiply(const GraySamples& samples, const ObservationRun& run, const Eigen::Matrix3d& F,
-              std::vector<float>& values)
-{
-    const Eigen::Matrix<float, kFlow, 1> f = flow_vector(F).cast<float>();
-    for (std::size_t o = run.begin; o < run.end; o += kFloats) {
-        const SampleLanes s = load_samples(samples, o, run.end - o);
-        const Floats away = f[6] * s.x + f[7] * s.y;
-        const Floats moved_x = f[0] * s.x + f[1] * s.y + f[2] - s.x * away;
-        const Floats moved_y = f[3] * s.x + f[4] * s.y + f[5] - s.y * away;
-        store_part(s.by_x * moved_x + s.by_y * moved_y, &values[o], run.end - o);
-    }
-}
-
-// The sum over a run of value h r^T.
-Eigen::Matrix3d weighted_sum(const GraySamples& samples, const ObservationRun& run, const std::vector<float>& values)
-{
-    std::array<Floats, kFlow> sums{};
-    for (std::size_t o = run.begin; o < run.end; o += kFloats) {
-        const SampleLanes s = load_samples(samples, o, run.end - o);
-        const Floats value = load_part(&values[o], run.end - o);
-        const Floats x = value * s.by_x, y = value * s.by_y, xx = x * s.x, yy = y * s.y, z = -(xx + yy);
-        sums[0] += xx;
-        sums[1] += x * s.y;
-        sums[2] += x;
-        sums[3] += y * s.x;
-        sums[4] += yy;
-        sums[5] += y;
-        sums[6] += z * s.x;
-        sums[7] += z * s.y;
-    }
-    FlowVector total;
-    for (int i = 0; i < kFlow; ++i)
-        total[i] = sum(sums[static_cast<std::size_t>(i)]);
-    return flow_matrix(total);
-}
-
-// What centring leaves of the weights of a run's observations: 1 - weight / sum of weights.
-Floats centered_weights(const ColorEquations& eq, std::size_t first, std::size_t count)
-{
-    std::array<float, kFloats> mean_weight{};
-    for (std::size_t i = 0; i < std::min(count, kFloats); ++i)
-        mean_weight[i] = eq.mean_weight[eq.problem->observations.texel[first + i]];
-    const Floats weight = load_part(&eq.weight[first], count);
-    return weight * (1.0f - weight * load(mean_weight.data()));
-}
-
-// The sum over a run of weight f f^T, f the eight terms of h r^T.
-Eigen::Matrix<double, kFlow, kFlow> second_moments(const ColorEquations& eq, const ObservationRun& run)
-{
-    Floats sums[kFlow][kFlow] = {};
-    for (std::size_t o = run.begin; o < run.end; o += kFloats) {
-        const SampleLanes s = load_samples(*eq.samples, o, run.end - o);
-        const Floats weight = centered_weights(eq, o, run.end - o);
-        const Floats xx = s.by_x * s.x, yy = s.by_y * s.y, z = -(xx + yy);
-        const Floats f[kFlow] = {xx, s.by_x * s.y, s.by_x, s.by_y * s.x, yy, s.by_y, z * s.x, z * s.y};
-        for (int i = 0; i < kFlow; ++i) {
-            const Floats weighted = weight * f[i];
-            for (int j = i; j < kFlow; ++j)
-                sums[i][j] += weighted * f[j];
-        }
-    }
-    Eigen::Matrix<double, kFlow, kFlow> moments;
-    for (int i = 0; i < kFlow; ++i)
-        for (int j = i; j < kFlow; ++j)
-            moments(i, j) = moments(j, i) = sum(sums[i][j]);
-    return moments;
-}
 
 // The flows of unit steps.
 Eigen::Matrix<double, kFlow, 9> camera_flows(const PlaneFlow& plane)
@@ -128,144 +44,294 @@ Eigen::Matrix<double, kFlow, 3> plane_flows(const PlaneFlow& plane)
     return flows;
 }
 
-// Takes the part out of the values that a change of the texels' colours explains, and weights the rest.
-void center_and_weight(const ColorEquations& eq, std::vector<float>& values)
+PlaneFlow flow_of(const AlignmentState& state, const ObservationRun& run)
+{
+    return plane_flow(state.color.color_from_depth * state.camera_from_world[run.frame], state.plane[run.plane]);
+}
+
+// J^T values from their sums over the runs of each frame and plane, in order.
+struct Gradient {
+    std::vector<CameraStep> of_frame;
+    std::vector<Vector3> of_run;
+
+    Gradient(std::size_t frames, std::size_t runs) : of_frame(frames, CameraStep::Zero()), of_run(runs) {}
+    void set(const ObservationRun& run, std::size_t r, const PlaneFlow& flow, const FlowVector& first)
+    {
+        const Eigen::Matrix3d S = flow_matrix(first);
+        of_frame[run.frame] += flow.camera_gradient(S);
+        of_run[r] = flow.plane_gradient(S);
+    }
+    void add_to(StepVector& out, const ObservationRuns& runs, const StepLayout& layout, const CameraFlow& camera) const
+    {
+        for (std::size_t p = 0; p < layout.planes; ++p)
+            for (std::uint32_t i = runs.first_of_plane[p]; i < runs.first_of_plane[p + 1]; ++i)
+                out.segment<3>(layout.plane(p)) += of_run[runs.of_plane[i]];
+        for (std::size_t k = 0; k < layout.frames; ++k) {
+            out.segment<6>(layout.pose(k)) += camera.pose_gradient(of_frame[k]);
+            out.segment<9>(layout.calibration()) += camera.calibration_gradient(of_frame[k]);
+        }
+    }
+};
+
+// The same for diagonal blocks.
+struct Blocks {
+    std::vector<Eigen::Matrix<double, 9, 9>> of_frame;
+    std::vector<Eigen::Matrix3d> of_run;
+
+    Blocks(std::size_t frames, std::size_t runs) : of_frame(frames, Eigen::Matrix<double, 9, 9>::Zero()), of_run(runs)
+    {
+    }
+    void set(const ObservationRun& run, std::size_t r, const PlaneFlow& flow,
+             const Eigen::Matrix<double, kFlow, kFlow>& lower)
+    {
+        const Eigen::Matrix<double, kFlow, kFlow> second = lower.selfadjointView<Eigen::Lower>();
+        const auto by_camera = camera_flows(flow);
+        const auto by_plane = plane_flows(flow);
+        of_frame[run.frame].noalias() += by_camera.transpose() * (second * by_camera).eval();
+        of_run[r].noalias() = by_plane.transpose() * (second * by_plane).eval();
+    }
+    ColorBlocks sums(const ObservationRuns& runs, const StepLayout& layout, const CameraFlow& camera) const
+    {
+        ColorBlocks result;
+        result.plane.assign(layout.planes, Eigen::Matrix3d::Zero());
+        for (std::size_t r = 0; r < of_run.size(); ++r)
+            result.plane[runs.run[r].plane] += of_run[r];
+        const Eigen::Matrix<double, 6, 6> by_pose = camera.by_pose();
+        CameraStep scale = CameraStep::Ones();
+        scale[7] /= camera.fx;
+        scale[8] /= camera.fy;
+        for (const auto& frame : of_frame) {
+            result.pose.push_back(by_pose.transpose() * frame.topLeftCorner<6, 6>() * by_pose);
+            result.calibration += scale.asDiagonal() * frame * scale.asDiagonal();
+        }
+        return result;
+    }
+};
+
+// Calls visit(run, its number) for all runs, frame by frame.
+template <class Visit>
+void for_each_run(const ObservationRuns& runs, const Visit& visit)
+{
+    parallel_for(runs.first_of_frame.size() - 1, [&](std::size_t k) {
+        for (std::uint32_t r = runs.first_of_frame[k]; r < runs.first_of_frame[k + 1]; ++r)
+            visit(runs.run[r], r);
+    });
+}
+
+SampleLanes load_samples(const GraySamples& samples, std::size_t first, std::size_t count)
+{
+    const auto part = [&](const std::vector<float>& values) { return load_part(&values[first], count); };
+    return {part(samples.value), part(samples.by_x), part(samples.by_y), part(samples.x), part(samples.y)};
+}
+
+// Weights, and of every texel with the colour eliminated: what it needs to centre its rows.
+struct Weighting {
+    std::vector<float> weighted; // residual of every observation times its weight
+    std::vector<float> mean;     // of a texel's residuals
+};
+
+Weighting weigh(ColorEquations& eq, const Fit& fit)
 {
     const Observations& observations = eq.problem->observations;
-    const auto center = [&](std::size_t t) {
-        float weighted = 0.0f;
-        for (std::uint32_t i = observations.first_of_texel[t]; i < observations.first_of_texel[t + 1]; ++i)
-            weighted += eq.weight[observations.of_texel[i]] * values[observations.of_texel[i]];
-        const float mean = eq.mean_weight[t] * weighted;
-        for (std::uint32_t i = observations.first_of_texel[t]; i < observations.first_of_texel[t + 1]; ++i) {
-            const std::uint32_t o = observations.of_texel[i];
-            values[o] = eq.weight[o] * (values[o] - mean);
-        }
-    };
-    parallel_for(eq.mean_weight.size(), center, kTexelGrain);
-}
-
-std::vector<float> mean_weights(const AlignmentProblem& problem, const std::vector<float>& weight)
-{
-    const Observations& observations = problem.observations;
-    std::vector<float> mean(problem.texels.size(), 0.0f);
-    const auto invert = [&](std::size_t t) {
-        float total = 0.0f;
-        for (std::uint32_t i = observations.first_of_texel[t]; i < observations.first_of_texel[t + 1]; ++i)
-            total += weight[observations.of_texel[i]];
-        if (total > 0.0f) mean[t] = 1.0f / total;
-    };
-    parallel_for(mean.size(), invert, kTexelGrain);
-    return mean;
-}
-
-// J^T values, reduced in order.
-void scatter(const ColorEquations& eq, const std::vector<float>& values, StepVector& out)
-{
-    const ObservationRuns& runs = eq.problem->runs;
-    std::vector<Vector3> of_run(runs.run.size());
-    std::vector<CameraStep> of_frame(eq.layout.frames, CameraStep::Zero());
+    const ColorWeight weight_of(eq.problem->scene.params);
+    eq.weight.resize(observations.size());
+    eq.mean_weight.assign(eq.problem->texels.size(), 0.0f);
+    Weighting result{std::vector<float>(observations.size()), eq.mean_weight};
     parallel_for(eq.layout.frames, [&](std::size_t k) {
-        for (std::uint32_t r = runs.first_of_frame[k]; r < runs.first_of_frame[k + 1]; ++r) {
-            const Eigen::Matrix3d S = eq.gain[k] * weighted_sum(*eq.samples, runs.run[r], values);
-            of_frame[k] += eq.flow[r].camera_gradient(S);
-            of_run[r] = eq.flow[r].plane_gradient(S);
+        const Exposure& exposure = fit.state.exposure[k];
+        const auto gain = static_cast<float>(exposure.gain), bias = static_cast<float>(exposure.bias);
+        const std::size_t end = observations.first_of_frame[k + 1];
+        for (std::size_t o = observations.first_of_frame[k]; o < end; o += kFloats) {
+            const Floats color = gather(fit.color.data(), load_part(&observations.texel[o], end - o));
+            const Floats residual = gain * load_part(&fit.samples.value[o], end - o) + bias - color;
+            const Floats weight = weight_of(residual);
+            store_part(weight, &eq.weight[o], end - o);
+            store_part(weight * residual, &result.weighted[o], end - o);
         }
     });
-    for (std::size_t p = 0; p < eq.layout.planes; ++p)
-        for (std::uint32_t i = runs.first_of_plane[p]; i < runs.first_of_plane[p + 1]; ++i)
-            out.segment<3>(eq.layout.plane(p)) += of_run[runs.of_plane[i]];
-    for (std::size_t k = 0; k < eq.layout.frames; ++k) {
-        out.segment<6>(eq.layout.pose(k)) += eq.camera.pose_gradient(of_frame[k]);
-        out.segment<9>(eq.layout.calibration()) += eq.camera.calibration_gradient(of_frame[k]);
+    const auto center = [&](std::size_t t) {
+        float weight = 0.0f, weighted = 0.0f;
+        for (std::uint32_t i = observations.first_of_texel[t]; i < observations.first_of_texel[t + 1]; ++i) {
+            weight += eq.weight[observations.of_texel[i]];
+            weighted += result.weighted[observations.of_texel[i]];
+        }
+        if (weight > 0.0f) eq.mean_weight[t] = 1.0f / weight;
+        result.mean[t] = eq.mean_weight[t] * weighted;
+    };
+    parallel_for(result.mean.size(), center, kTexelGrain);
+    return result;
+}
+
+// The sums over a run of the centred rows, and their residuals.
+FlowSums centered_sums(const ColorEquations& eq, const Weighting& weighting, const ObservationRun& run)
+{
+    FlowSums sums;
+    FlowTile tile;
+    for (std::size_t o = run.begin; o < run.end; o += kFloats) {
+        const std::size_t count = run.end - o;
+        const SampleLanes s = load_samples(*eq.samples, o, count);
+        const Ints texel = load_part(&eq.problem->observations.texel[o], count);
+        const Floats weight = load_part(&eq.weight[o], count);
+        const Floats value = load_part(&weighting.weighted[o], count) - weight * gather(weighting.mean.data(), texel);
+        tile.add(flow_terms(s.by_x, s.by_y, s.x, s.y), weight * (1.0f - weight * gather(eq.mean_weight.data(), texel)),
+                 value);
+        if (tile.is_full()) tile.flush(sums);
     }
+    tile.flush(sums);
+    return sums;
+}
+
+// The same at frozen colours, with the cost.
+struct FrozenSums {
+    FlowSums flow;
+    double cost = 0.0;
+};
+FrozenSums frozen_sums(const AlignmentProblem& problem, const AlignmentState& state,
+                       const std::vector<float>& texel_color, const ObservationRun& run)
+{
+    const FramePicture picture = frame_picture(problem.scene, state, run.frame, problem.level);
+    const auto projection = picture.projection(state.plane[run.plane]);
+    const ColorWeight weight_of(problem.scene.params);
+    const Exposure& exposure = state.exposure[run.frame];
+    const auto gain = static_cast<float>(exposure.gain), bias = static_cast<float>(exposure.bias);
+    FrozenSums sums;
+    FlowTile tile;
+    Places places;
+    for (std::size_t first = run.begin; first < run.end; first += kPlaces * kFloats) {
+        const std::size_t end = std::min<std::size_t>(run.end, first + kPlaces * kFloats);
+        for (std::size_t i = 0, o = first; o < end; ++i, o += kFloats)
+            places[i] =
+                picture.place(projection, problem.texels.p_world, load_part(&problem.observations.texel[o], end - o));
+        Floats cost{};
+        for (std::size_t i = 0, o = first; o < end; ++i, o += kFloats) {
+            const SampleLanes s = picture.sample(places[i]);
+            const Ints texel = load_part(&problem.observations.texel[o], end - o);
+            const Floats residual = first_of(gain * s.value + bias - gather(texel_color.data(), texel), end - o);
+            const Floats weight = first_of(weight_of(residual), end - o);
+            cost += huber_cost(residual, weight_of.huber);
+            tile.add(flow_terms(s.by_x, s.by_y, s.x, s.y), weight, weight * residual);
+        }
+        tile.flush(sums.flow);
+        sums.cost += sum(cost);
+    }
+    return sums;
+}
+
+// The derivatives along F of a run's greys, weighted.
+void multiply(const ColorEquations& eq, const ObservationRun& run, const Eigen::Matrix3d& F,
+              std::vector<float>& weighted)
+{
+    const Eigen::Matrix<float, kFlow, 1> f = flow_vector(F).cast<float>();
+    const GraySamples& samples = *eq.samples;
+    for (std::size_t o = run.begin; o < run.end; o += kFloats) {
+        const std::size_t count = run.end - o;
+        const Floats x = load_part(&samples.x[o], count), y = load_part(&samples.y[o], count);
+        const Floats away = f[6] * x + f[7] * y;
+        const Floats moved_x = f[0] * x + f[1] * y + f[2] - x * away;
+        const Floats moved_y = f[3] * x + f[4] * y + f[5] - y * away;
+        const Floats value =
+            load_part(&samples.by_x[o], count) * moved_x + load_part(&samples.by_y[o], count) * moved_y;
+        store_part(load_part(&eq.weight[o], count) * value, &weighted[o], count);
+    }
+}
+
+// The sum over a run of value h r^T, with the means of the texels taken off the values.
+FlowVector centered_sum(const ColorEquations& eq, const ObservationRun& run, const std::vector<float>& weighted,
+                        const std::vector<float>& mean)
+{
+    FlowTerms sums{};
+    const GraySamples& samples = *eq.samples;
+    for (std::size_t o = run.begin; o < run.end; o += kFloats) {
+        const std::size_t count = run.end - o;
+        const Ints texel = load_part(&eq.problem->observations.texel[o], count);
+        const Floats value =
+            load_part(&weighted[o], count) - load_part(&eq.weight[o], count) * gather(mean.data(), texel);
+        const FlowTerms terms =
+            flow_terms(value * load_part(&samples.by_x[o], count), value * load_part(&samples.by_y[o], count),
+                       load_part(&samples.x[o], count), load_part(&samples.y[o], count));
+        for (std::size_t i = 0; i < kFlow; ++i)
+            sums[i] += terms[i];
+    }
+    FlowVector total;
+    for (int i = 0; i < kFlow; ++i)
+        total[i] = sum(sums[static_cast<std::size_t>(i)]);
+    return total;
 }
 
 } // namespace
 
-void ColorEquations::add_gradient(std::vector<float> residual, StepVector& out) const
+FrozenColors frozen_colors(const AlignmentProblem& problem, const AlignmentState& state,
+                           const std::vector<float>& texel_color)
 {
-    center_and_weight(*this, residual);
-    scatter(*this, residual, out);
+    const ObservationRuns& runs = problem.runs;
+    const StepLayout layout{state.camera_from_world.size(), state.plane.size()};
+    const CameraFlow camera = camera_flow(state.color);
+    FrozenColors result{StepVector::Zero(layout.size()), {}, std::vector<PairCost>(runs.run.size())};
+    Gradient gradient(layout.frames, runs.run.size());
+    Blocks blocks(layout.frames, runs.run.size());
+    for_each_run(runs, [&](const ObservationRun& run, std::uint32_t r) {
+        const FrozenSums sums = frozen_sums(problem, state, texel_color, run);
+        const PlaneFlow flow = flow_of(state, run);
+        const double gain = state.exposure[run.frame].gain;
+        gradient.set(run, r, flow, gain * sums.flow.first);
+        blocks.set(run, r, flow, gain * gain * sums.flow.second);
+        result.cost[r] = {run.frame, run.plane, sums.cost};
+    });
+    gradient.add_to(result.gradient, runs, layout, camera);
+    result.blocks = blocks.sums(runs, layout, camera);
+    return result;
 }
 
 void ColorEquations::add_product(const StepVector& x, StepVector& out) const
 {
-    const ObservationRuns& runs = problem->runs;
-    std::vector<float> values(weight.size());
+    const Observations& observations = problem->observations;
+    std::vector<float> weighted(weight.size()), mean(mean_weight.size());
     parallel_for(layout.frames, [&](std::size_t k) {
         const CameraStep step = camera.step(x.segment<6>(layout.pose(k)), x.segment<9>(layout.calibration()));
-        for (std::uint32_t r = runs.first_of_frame[k]; r < runs.first_of_frame[k + 1]; ++r) {
-            const Vector3 by_plane = x.segment<3>(layout.plane(runs.run[r].plane));
-            multiply(*samples, runs.run[r], gain[k] * flow[r].flow(step, by_plane), values);
+        for (std::uint32_t r = problem->runs.first_of_frame[k]; r < problem->runs.first_of_frame[k + 1]; ++r) {
+            const Vector3 by_plane = x.segment<3>(layout.plane(problem->runs.run[r].plane));
+            multiply(*this, problem->runs.run[r], gain[k] * flow[r].flow(step, by_plane), weighted);
         }
     });
-    center_and_weight(*this, values);
-    scatter(*this, values, out);
-}
-
-ColorBlocks ColorEquations::blocks() const
-{
-    const ObservationRuns& runs = problem->runs;
-    std::vector<Eigen::Matrix<double, 9, 9>> of_frame(layout.frames, Eigen::Matrix<double, 9, 9>::Zero());
-    std::vector<Eigen::Matrix3d> of_run(runs.run.size());
-    parallel_for(layout.frames, [&](std::size_t k) {
-        for (std::uint32_t r = runs.first_of_frame[k]; r < runs.first_of_frame[k + 1]; ++r) {
-            const Eigen::Matrix<double, kFlow, kFlow> moments = gain[k] * gain[k] * second_moments(*this, runs.run[r]);
-            const auto by_camera = camera_flows(flow[r]);
-            const auto by_plane = plane_flows(flow[r]);
-            of_frame[k].noalias() += by_camera.transpose() * (moments * by_camera).eval();
-            of_run[r].noalias() = by_plane.transpose() * (moments * by_plane).eval();
-        }
+    const auto center = [&](std::size_t t) {
+        float total = 0.0f;
+        for (std::uint32_t i = observations.first_of_texel[t]; i < observations.first_of_texel[t + 1]; ++i)
+            total += weighted[observations.of_texel[i]];
+        mean[t] = mean_weight[t] * total;
+    };
+    parallel_for(mean.size(), center, kTexelGrain);
+    Gradient result(layout.frames, problem->runs.run.size());
+    for_each_run(problem->runs, [&](const ObservationRun& run, std::uint32_t r) {
+        result.set(run, r, flow[r], gain[run.frame] * centered_sum(*this, run, weighted, mean));
     });
-    ColorBlocks result;
-    result.plane.assign(layout.planes, Eigen::Matrix3d::Zero());
-    for (std::size_t r = 0; r < of_run.size(); ++r)
-        result.plane[runs.run[r].plane] += of_run[r];
-    const Eigen::Matrix<double, 6, 6> by_pose = camera.by_pose();
-    CameraStep scale = CameraStep::Ones();
-    scale[7] /= camera.fx;
-    scale[8] /= camera.fy;
-    for (const auto& frame : of_frame) {
-        result.pose.push_back(by_pose.transpose() * frame.topLeftCorner<6, 6>() * by_pose);
-        result.calibration += scale.asDiagonal() * frame * scale.asDiagonal();
-    }
-    return result;
+    result.add_to(out, problem->runs, layout, camera);
 }
 
-std::vector<float> color_residuals(const AlignmentProblem& problem, const AlignmentState& state,
-                                   const GraySamples& samples, const std::vector<float>& texel_color)
+ColorEquations color_equations(const AlignmentProblem& problem, const Fit& fit)
 {
-    const Observations& observations = problem.observations;
-    std::vector<float> residual(observations.size());
-    parallel_for(state.exposure.size(), [&](std::size_t k) {
-        const auto gain = static_cast<float>(state.exposure[k].gain), bias = static_cast<float>(state.exposure[k].bias);
-        for (std::uint32_t o = observations.first_of_frame[k]; o < observations.first_of_frame[k + 1]; ++o)
-            residual[o] = gain * samples.value[o] + bias - texel_color[observations.texel[o]];
-    });
-    return residual;
-}
-
-ColorEquations color_equations(const AlignmentProblem& problem, const AlignmentState& state, const GraySamples& samples,
-                               const std::vector<float>& residual, TexelColors colors)
-{
-    const OptimizeTextureParams& params = problem.scene.params;
-    ColorEquations eq{
-        &problem, &samples, {state.camera_from_world.size(), state.plane.size()}, {}, {}, {}, camera_flow(state.color),
-        {}};
-    const auto huber = static_cast<float>(params.huber_color);
-    const auto scale = static_cast<float>(1.0 / (params.sigma_color * params.sigma_color));
-    eq.weight.resize(residual.size());
-    std::ranges::transform(residual, eq.weight.begin(),
-                           [&](float r) { return scale * (huber / std::max(std::abs(r), huber)); });
-    eq.mean_weight = colors == TexelColors::Eliminated ? mean_weights(problem, eq.weight)
-                                                       : std::vector<float>(problem.texels.size(), 0.0f);
+    const AlignmentState& state = fit.state;
+    const ObservationRuns& runs = problem.runs;
+    ColorEquations eq;
+    eq.problem = &problem;
+    eq.samples = &fit.samples;
+    eq.layout = {state.camera_from_world.size(), state.plane.size()};
+    eq.camera = camera_flow(state.color);
     for (const Exposure& exposure : state.exposure)
         eq.gain.push_back(exposure.gain);
-    eq.flow.reserve(problem.runs.run.size());
-    for (const ObservationRun& run : problem.runs.run)
-        eq.flow.push_back(
-            plane_flow(state.color.color_from_depth * state.camera_from_world[run.frame], state.plane[run.plane]));
+    eq.flow.resize(runs.run.size());
+    const Weighting weighting = weigh(eq, fit);
+    Gradient gradient(eq.layout.frames, runs.run.size());
+    Blocks blocks(eq.layout.frames, runs.run.size());
+    for_each_run(runs, [&](const ObservationRun& run, std::uint32_t r) {
+        const FlowSums sums = centered_sums(eq, weighting, run);
+        const double gain = eq.gain[run.frame];
+        eq.flow[r] = flow_of(state, run);
+        gradient.set(run, r, eq.flow[r], gain * sums.first);
+        blocks.set(run, r, eq.flow[r], gain * gain * sums.second);
+    });
+    eq.gradient = StepVector::Zero(eq.layout.size());
+    gradient.add_to(eq.gradient, runs, eq.layout, eq.camera);
+    eq.blocks = blocks.sums(runs, eq.layout, eq.camera);
     return eq;
 }
 

@@ -5,13 +5,14 @@
 #include "base/lanes.h"
 #include "image/image.h"
 
+#include <array>
+#include <vector>
+
 namespace quoin {
 
-// Greys in steps of 2^-14, a 64th of what a camera tells apart, from 0 to nearly 4: a correction may brighten.
+// Greys from 0 on, in steps of a 65535th of the largest.
 class CornerImage {
 public:
-    static constexpr float kStep = 1.0f / 16384.0f;
-
     CornerImage() = default;
     CornerImage(const GrayImage& gray); // NOLINT(google-explicit-constructor): the same picture
 
@@ -19,22 +20,39 @@ public:
     int height() const { return height_; }
     GrayImage gray() const;
 
-    // At (u, v), 0 <= u < width - 1 and 0 <= v < height - 1: the bilinear surface and its exact derivative [1/px].
+    // Where (u, v) lies, 0 <= u < width - 1 and 0 <= v < height - 1: its upper left corner, by rows, and the parts of
+    // the way to the next ones.
+    struct Place {
+        Ints offset;
+        Floats along, down;
+    };
+    Place place(const Floats& u, const Floats& v) const
+    {
+        const Ints x = to_ints(u), y = to_ints(v);
+        return {y * width_ + x, u - to_floats(x), v - to_floats(y)};
+    }
+    // Brings near what sample() will read there.
+    void prefetch(const Place& place) const
+    {
+        std::array<int, kFloats> offset;
+        store(place.offset, offset.data());
+        for (const int at : offset)
+            __builtin_prefetch(words_.data() + at);
+    }
+    // The bilinear surface and its exact derivative [1/px].
     struct Samples {
         Floats value, by_u, by_v;
     };
-    Samples sample(const Floats& u, const Floats& v) const
+    Samples sample(const Place& place) const
     {
-        const Ints x = to_ints(u), y = to_ints(v);
-        const Floats along = u - to_floats(x), down = v - to_floats(y);
-        const IntPairs word = gather_pairs(words_.data(), y * width_ + x);
+        const IntPairs word = gather_pairs(words_.data(), place.offset);
         const Floats left = upper(word.first), right = upper(word.second);
         const Floats lower_left = lower(word.first), lower_right = lower(word.second);
         const Floats slope_upper = right - left, slope_lower = lower_right - lower_left;
-        const Floats upper_row = left + along * slope_upper, lower_row = lower_left + along * slope_lower;
+        const Floats upper_row = left + place.along * slope_upper, lower_row = lower_left + place.along * slope_lower;
         const Floats fall = lower_row - upper_row;
-        return {kStep * (upper_row + down * fall), kStep * (slope_upper + down * (slope_lower - slope_upper)),
-                kStep * fall};
+        return {step_ * (upper_row + place.down * fall),
+                step_ * (slope_upper + place.down * (slope_lower - slope_upper)), step_ * fall};
     }
 
 private:
@@ -46,6 +64,7 @@ private:
     }
 
     int width_ = 0, height_ = 0;
+    float step_ = 1.0f;
     std::vector<std::uint32_t> words_;
 };
 

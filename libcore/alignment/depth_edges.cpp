@@ -47,8 +47,7 @@ void widen_row(std::uint64_t* row, int words)
     std::uint64_t before = 0;
     for (int w = 0; w < words; ++w) {
         const std::uint64_t here = row[w], after = w + 1 < words ? row[w + 1] : 0;
-        row[w] = here | here << 1 | here >> 1 | before >> (BitMask::kWordBits - 1) |
-                 after << (BitMask::kWordBits - 1);
+        row[w] = here | here << 1 | here >> 1 | before >> (BitMask::kWordBits - 1) | after << (BitMask::kWordBits - 1);
         before = here;
     }
 }

@@ -1,9 +1,11 @@
 #include "alignment/energy.h"
 
 #include "alignment/exposure.h"
+#include "alignment/frame_picture.h"
 #include "base/parallel.h"
 #include "geometry/units.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -27,23 +29,70 @@ double add_pairs(BlockEnergies& result, const std::vector<PairCost>& pairs, doub
     return sum;
 }
 
-// Robust squares of grey differences, sorted by frame, then plane.
+// Robust squares of grey differences, eight at a time.
+struct ColorCosts {
+    const Observations& observations;
+    const std::vector<float>& texel_color;
+    float huber;
+
+    // Of the first eight of the observations from o on that lie before `end`.
+    Floats operator()(std::size_t o, std::size_t end, const Floats& gray) const
+    {
+        const Ints texel = load_part(&observations.texel[o], end - o);
+        return huber_cost(first_of(gray - gather(texel_color.data(), texel), end - o), huber);
+    }
+};
+
+ColorCosts color_cost(const AlignmentProblem& problem, const std::vector<float>& texel_color)
+{
+    return {problem.observations, texel_color, static_cast<float>(problem.scene.params.huber_color)};
+}
+
+// Of every run; sum_of(first, end, run) is that of a few of its observations, few enough for single precision.
+template <class Sum>
+std::vector<PairCost> costs_of_runs(const AlignmentProblem& problem, const Sum& sum_of)
+{
+    std::vector<PairCost> costs(problem.runs.run.size());
+    const auto cost_of = [&](std::size_t r) {
+        const ObservationRun& run = problem.runs.run[r];
+        costs[r] = {run.frame, run.plane, 0.0};
+        for (std::size_t first = run.begin; first < run.end; first += kPlaces * kFloats)
+            costs[r].cost += sum(sum_of(first, std::min<std::size_t>(run.end, first + kPlaces * kFloats), run));
+    };
+    parallel_for(costs.size(), cost_of, kRunGrain);
+    return costs;
+}
+
 std::vector<PairCost> color_costs(const AlignmentProblem& problem, const std::vector<float>& gray,
                                   const std::vector<float>& texel_color)
 {
-    const double huber = problem.scene.params.huber_color;
-    std::vector<PairCost> costs(problem.runs.run.size());
-    parallel_for(
-        costs.size(),
-        [&](std::size_t r) {
-            const ObservationRun& run = problem.runs.run[r];
-            double cost = 0.0;
-            for (std::uint32_t o = run.begin; o < run.end; ++o)
-                cost += huber_cost(gray[o] - texel_color[problem.observations.texel[o]], huber);
-            costs[r] = {run.frame, run.plane, cost};
-        },
-        kRunGrain);
-    return costs;
+    const ColorCosts cost_of = color_cost(problem, texel_color);
+    return costs_of_runs(problem, [&](std::size_t first, std::size_t end, const ObservationRun&) {
+        Floats cost{};
+        for (std::size_t o = first; o < end; o += kFloats)
+            cost += cost_of(o, end, load_part(&gray[o], end - o));
+        return cost;
+    });
+}
+
+std::vector<PairCost> color_costs(const AlignmentProblem& problem, const AlignmentState& state,
+                                  const std::vector<float>& texel_color)
+{
+    const ColorCosts cost_of = color_cost(problem, texel_color);
+    return costs_of_runs(problem, [&](std::size_t first, std::size_t end, const ObservationRun& run) {
+        const FramePicture picture = frame_picture(problem.scene, state, run.frame, problem.level);
+        const auto projection = picture.projection(state.plane[run.plane]);
+        const Exposure& exposure = state.exposure[run.frame];
+        const auto gain = static_cast<float>(exposure.gain), bias = static_cast<float>(exposure.bias);
+        Places places;
+        for (std::size_t i = 0, o = first; o < end; ++i, o += kFloats)
+            places[i] =
+                picture.place(projection, problem.texels.p_world, load_part(&problem.observations.texel[o], end - o));
+        Floats cost{};
+        for (std::size_t i = 0, o = first; o < end; ++i, o += kFloats)
+            cost += cost_of(o, end, gain * picture.sample(places[i]).value + bias);
+        return cost;
+    });
 }
 
 double add_depths(BlockEnergies& result, const AlignmentState& state, const DepthSamples& samples, double weight,
@@ -91,14 +140,16 @@ double add_priors(BlockEnergies& result, const AlignmentProblem& problem, const 
     return sum;
 }
 
-BlockEnergies energies_of_grays(const AlignmentProblem& problem, const AlignmentState& state,
-                                const std::vector<float>& gray, const std::vector<float>& texel_color)
+} // namespace
+
+BlockEnergies energies(const AlignmentProblem& problem, const AlignmentState& state,
+                       const std::vector<PairCost>& color_costs)
 {
     const OptimizeTextureParams& params = problem.scene.params;
     BlockEnergies result;
     result.of_frame.assign(state.camera_from_world.size(), 0.0);
     result.of_plane.assign(state.plane.size(), 0.0);
-    result.sum.color = add_pairs(result, color_costs(problem, gray, texel_color), color_scale(params));
+    result.sum.color = add_pairs(result, color_costs, color_scale(params));
     result.sum.depth = add_depths(result, state, problem.depths, params.lambda_d, params.huber_depth);
     result.sum.line = add_lines(result, problem, state) +
                       add_depths(result, state, problem.line_depths, params.lambda_t, params.huber_depth);
@@ -107,7 +158,11 @@ BlockEnergies energies_of_grays(const AlignmentProblem& problem, const Alignment
     return result;
 }
 
-} // namespace
+BlockEnergies energies(const AlignmentProblem& problem, const AlignmentState& state,
+                       const std::vector<float>& texel_color)
+{
+    return energies(problem, state, color_costs(problem, state, texel_color));
+}
 
 GraySamples sample_grays(const AlignmentProblem& problem, const AlignmentState& state)
 {
@@ -120,7 +175,7 @@ Fit fit(const AlignmentProblem& problem, AlignmentState state)
     result.samples = sample_grays(problem, state);
     const auto gray = exposed(problem.observations, result.samples.value, state.exposure);
     result.color = texel_colors(problem.observations, gray, problem.scene.params.huber_color, kReweightings);
-    result.energy = energies_of_grays(problem, state, gray, result.color).sum;
+    result.energy = energies(problem, state, color_costs(problem, gray, result.color)).sum;
     result.state = std::move(state);
     return result;
 }
@@ -137,12 +192,6 @@ Fit with_exposures(const AlignmentProblem& problem, Fit before, std::vector<Expo
     before.color = std::move(color);
     before.state.exposure = std::move(exposure);
     return before;
-}
-
-BlockEnergies energies(const AlignmentProblem& problem, const AlignmentState& state, const GraySamples& samples,
-                       const std::vector<float>& texel_color)
-{
-    return energies_of_grays(problem, state, exposed(problem.observations, samples.value, state.exposure), texel_color);
 }
 
 CalibrationBlock calibration_prior(const OptimizeTextureParams& params, const ColorCamera& color,

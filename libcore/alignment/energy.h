@@ -54,9 +54,12 @@ Fit fit(const AlignmentProblem& problem, AlignmentState state);
 // The same with other exposures, if they lower the energy: no image is looked at again.
 Fit with_exposures(const AlignmentProblem& problem, Fit before, std::vector<Exposure> exposure);
 
-// At given colours.
-BlockEnergies energies(const AlignmentProblem& problem, const AlignmentState& state, const GraySamples& samples,
+// At given colours. The images are looked at, but nothing is kept of it.
+BlockEnergies energies(const AlignmentProblem& problem, const AlignmentState& state,
                        const std::vector<float>& texel_color);
+// The same when the costs of the colours are known: of every run.
+BlockEnergies energies(const AlignmentProblem& problem, const AlignmentState& state,
+                       const std::vector<PairCost>& color_costs);
 
 // Prior of the shared calibration: squared deviations from the input in units of their expected errors.
 struct CalibrationBlock {

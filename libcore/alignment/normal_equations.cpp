@@ -107,17 +107,30 @@ void clear_fixed(const NormalEquations& eq, StepVector& x)
     if (!eq.calibrate) x.segment<9>(eq.layout.calibration()).setZero();
 }
 
-void finish_gradient(NormalEquations& eq, std::vector<float> residual)
+NormalEquations without_colors(const AlignmentProblem& problem, const AlignmentState& state)
 {
-    eq.color.add_gradient(std::move(residual), eq.gradient);
+    const OptimizeTextureParams& params = problem.scene.params;
+    NormalEquations eq;
+    eq.problem = &problem;
+    eq.layout = {state.camera_from_world.size(), state.plane.size()};
+    eq.calibrate = problem.color_camera_is_free;
+    add_priors(eq, state);
+    add_depths(eq, state, problem.depths, params.lambda_d);
+    add_depths(eq, state, problem.line_depths, params.lambda_t);
+    add_lines(eq, state);
+    return eq;
+}
+
+void finish_gradient(NormalEquations& eq, const StepVector& of_colors)
+{
+    eq.gradient += of_colors;
     for (const WeightedLine& line : eq.line)
         scatter(eq.layout, line, line.row.residual, eq.gradient);
     clear_fixed(eq, eq.gradient);
 }
 
-void finish_blocks(NormalEquations& eq)
+void finish_blocks(NormalEquations& eq, ColorBlocks color)
 {
-    ColorBlocks color = eq.color.blocks();
     eq.pose_block = std::move(color.pose);
     eq.plane_block = std::move(color.plane);
     eq.calibration_block = color.calibration + eq.calibration_prior;
@@ -140,22 +153,20 @@ void finish_blocks(NormalEquations& eq)
 
 } // namespace
 
-NormalEquations linearize(const AlignmentProblem& problem, const AlignmentState& state, const GraySamples& samples,
-                          const std::vector<float>& texel_color, TexelColors colors)
+NormalEquations linearize(const AlignmentProblem& problem, const Fit& fit)
 {
-    const OptimizeTextureParams& params = problem.scene.params;
-    NormalEquations eq;
-    eq.problem = &problem;
-    eq.layout = {state.camera_from_world.size(), state.plane.size()};
-    eq.calibrate = problem.color_camera_is_free;
-    auto residual = color_residuals(problem, state, samples, texel_color);
-    eq.color = color_equations(problem, state, samples, residual, colors);
-    add_priors(eq, state);
-    add_depths(eq, state, problem.depths, params.lambda_d);
-    add_depths(eq, state, problem.line_depths, params.lambda_t);
-    add_lines(eq, state);
-    finish_gradient(eq, std::move(residual));
-    finish_blocks(eq);
+    NormalEquations eq = without_colors(problem, fit.state);
+    eq.color = color_equations(problem, fit);
+    finish_gradient(eq, eq.color.gradient);
+    finish_blocks(eq, std::move(eq.color.blocks));
+    return eq;
+}
+
+NormalEquations linearize(const AlignmentProblem& problem, const AlignmentState& state, FrozenColors colors)
+{
+    NormalEquations eq = without_colors(problem, state);
+    finish_gradient(eq, colors.gradient);
+    finish_blocks(eq, std::move(colors.blocks));
     return eq;
 }
 

@@ -41,9 +41,10 @@ struct NormalEquations {
     StepVector apply(const StepVector& x) const; // H x, with zeros for what is not free
 };
 
-// The equations refer to the problem and to the samples of the state.
-NormalEquations linearize(const AlignmentProblem& problem, const AlignmentState& state, const GraySamples& samples,
-                          const std::vector<float>& texel_color, TexelColors colors);
+// With the texels' colours eliminated. The equations refer to the problem and to the samples of the fit.
+NormalEquations linearize(const AlignmentProblem& problem, const Fit& fit);
+// With frozen ones: for solve_blocks, which does without products.
+NormalEquations linearize(const AlignmentProblem& problem, const AlignmentState& state, FrozenColors colors);
 
 // (H + damping diag(H)) x = -g by conjugate gradients with block-Jacobi preconditioning, to cg_tolerance.
 StepVector solve_joint(const NormalEquations& equations, double damping, int max_iterations, double tolerance);

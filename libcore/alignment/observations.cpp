@@ -83,9 +83,8 @@ Observations observe(const AlignmentScene& scene, const AlignmentState& state, c
 {
     std::vector<std::vector<TexelId>> visible(scene.frames());
     const TexelLanes lanes = texel_lanes(texels);
-    parallel_for(visible.size(), [&](std::size_t k) {
-        visible[k] = visible_texels(scene, state, k, level, texels, lanes);
-    });
+    parallel_for(visible.size(),
+                 [&](std::size_t k) { visible[k] = visible_texels(scene, state, k, level, texels, lanes); });
     std::vector<std::uint32_t> views(texels.size(), 0);
     for (const auto& frame : visible)
         for (const TexelId t : frame)

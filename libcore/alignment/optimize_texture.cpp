@@ -138,7 +138,7 @@ bool moved_too_far(const Rigid& from, const Rigid& to, const OptimizeTexturePara
 AlignmentState without_strays(const AlignmentProblem& reference, const AlignmentState& input, AlignmentState state)
 {
     const OptimizeTextureParams& params = reference.scene.params;
-    const auto of_blocks = [&](const Fit& f) { return energies(reference, f.state, f.samples, f.color); };
+    const auto of_blocks = [&](const Fit& f) { return energies(reference, f.state, f.color); };
     const BlockEnergies before = of_blocks(fit(reference, input)), after = of_blocks(fit(reference, state));
     std::size_t strays = 0;
     for (std::size_t k = 0; k < state.camera_from_world.size(); ++k) {

@@ -1,5 +1,6 @@
 #include "alignment/photometric.h"
 
+#include "alignment/frame_picture.h"
 #include "base/parallel.h"
 
 #include <algorithm>
@@ -8,54 +9,73 @@
 namespace quoin {
 namespace {
 
-constexpr float kMinDepth = 1e-3f; // [m]; points nearer to the camera plane have no pixel
-constexpr float kInside = 1.001f;    // [px] from the size of an image to the last place with four corners
 constexpr std::size_t kColorGrain = 4096;
+constexpr float kNoDelta = 1e30f; // all views count alike
 
-// The picture of a frame at a level, and its camera.
-struct FramePicture {
-    const CornerImage& gray;
-    float fx, fy, cx, cy, x_max, y_max;
-
-    FramePicture(const CornerImage& gray_, const Camera& camera)
-        : gray(gray_), fx(static_cast<float>(camera.fx)), fy(static_cast<float>(camera.fy)),
-          cx(static_cast<float>(camera.cx)), cy(static_cast<float>(camera.cy)),
-          x_max(static_cast<float>(gray.width()) - kInside), y_max(static_cast<float>(gray.height()) - kInside)
-    {
-    }
-};
-
-using Projection = Eigen::Matrix<float, 3, 4>; // from points, by way of their plane, to the colour camera
-
-Floats clamped(const Floats& value, float most)
+// Of a texel's views, weighted by Huber's weight at `delta` about `center`.
+float weighted_mean(const std::vector<float>& view, float center, float delta)
 {
-    const Floats low = value < most ? value : each(most);
-    return low > 0.0f ? low : Floats{};
+    Floats total{}, weights{};
+    for (std::size_t i = 0; i < view.size(); i += kFloats) {
+        const Floats value = load_part(&view[i], view.size() - i);
+        const Floats size = size_of(value - center), weight = delta / (size > delta ? size : each(delta));
+        const Floats counted = first_of(weight, view.size() - i);
+        total += counted * value;
+        weights += counted;
+    }
+    return static_cast<float>(sum(total) / sum(weights));
 }
 
-// Samples the first eight of `count` observations from `o` on: the bilinear surface and its exact derivative.
-[[gnu::always_inline]] inline void sample_lanes(GraySamples& samples, const FramePicture& picture,
-                                                const Projection& color_from_point, const SampledTexels& sampled,
-                                                std::size_t o, std::size_t count)
+// Observations that have been placed, but not sampled yet.
+class Pending {
+public:
+    Pending(GraySamples& samples, const FramePicture& picture) : samples_(samples), picture_(picture) {}
+
+    void add(const FramePicture::Place& place, std::size_t first, std::size_t count)
+    {
+        place_[size_] = place;
+        part_[size_++] = {first, count};
+        if (size_ == kPlaces) flush();
+    }
+    void flush()
+    {
+        for (std::size_t i = 0; i < size_; ++i) {
+            const auto [o, count] = part_[i];
+            const SampleLanes s = picture_.sample(place_[i]);
+            store_part(s.value, &samples_.value[o], count);
+            store_part(s.by_x, &samples_.by_x[o], count);
+            store_part(s.by_y, &samples_.by_y[o], count);
+            store_part(s.x, &samples_.x[o], count);
+            store_part(s.y, &samples_.y[o], count);
+        }
+        size_ = 0;
+    }
+
+private:
+    struct Part {
+        std::size_t first, count; // of observations
+    };
+    GraySamples& samples_;
+    const FramePicture& picture_;
+    Places place_;
+    std::array<Part, kPlaces> part_;
+    std::size_t size_ = 0;
+};
+
+void sample_frame(GraySamples& samples, const AlignmentScene& scene, const AlignmentState& state, std::size_t k,
+                  const SampledTexels& sampled, int level)
 {
-    const Projection& A = color_from_point;
-    const Ints point = 3 * load_part(&sampled.observations.texel[o], count); // past the end, the first texel
-    const float* points = sampled.texels.p_world.front().data();
-    const Floats p = gather(points, point), q = gather(points + 1, point), r = gather(points + 2, point);
-    const Floats X = A(0, 0) * p + A(0, 1) * q + A(0, 2) * r + A(0, 3);
-    const Floats Y = A(1, 0) * p + A(1, 1) * q + A(1, 2) * r + A(1, 3);
-    const Floats Z = A(2, 0) * p + A(2, 1) * q + A(2, 2) * r + A(2, 3);
-    const Floats inverse = 1.0f / (Z >= kMinDepth ? Z : each(kMinDepth));
-    const Floats x = X * inverse, y = Y * inverse;
-    const Floats u = picture.fx * x + picture.cx, v = picture.fy * y + picture.cy;
-    const Floats column = clamped(u, picture.x_max), row = clamped(v, picture.y_max);
-    const CornerImage::Samples gray = picture.gray.sample(column, row);
-    const Ints seen = Z >= kMinDepth;
-    store_part(seen ? gray.value : Floats{}, &samples.value[o], count);
-    store_part((seen & (column == u)) ? picture.fx * gray.by_u : Floats{}, &samples.by_x[o], count);
-    store_part((seen & (row == v)) ? picture.fy * gray.by_v : Floats{}, &samples.by_y[o], count);
-    store_part(x, &samples.x[o], count);
-    store_part(y, &samples.y[o], count);
+    const FramePicture picture = frame_picture(scene, state, k, level);
+    Pending pending(samples, picture);
+    for (std::uint32_t r = sampled.runs.first_of_frame[k]; r < sampled.runs.first_of_frame[k + 1]; ++r) {
+        const ObservationRun& run = sampled.runs.run[r];
+        const auto projection = picture.projection(state.plane[run.plane]);
+        for (std::size_t o = run.begin; o < run.end; o += kFloats) {
+            const Ints texel = load_part(&sampled.observations.texel[o], run.end - o);
+            pending.add(picture.place(projection, sampled.texels.p_world, texel), o, run.end - o);
+        }
+    }
+    pending.flush();
 }
 
 } // namespace
@@ -63,46 +83,29 @@ Floats clamped(const Floats& value, float most)
 GraySamples sample_grays(const AlignmentScene& scene, const AlignmentState& state, const SampledTexels& sampled,
                          int level)
 {
-    const Camera camera = state.color.camera.at_level(level);
     GraySamples samples;
     for (auto* values : {&samples.value, &samples.by_x, &samples.by_y, &samples.x, &samples.y})
         values->resize(sampled.observations.size());
-    parallel_for(scene.frames(), [&](std::size_t k) {
-        const FramePicture picture(scene.images[k].gray[static_cast<std::size_t>(level)], camera);
-        const Rigid color_from_world = state.color.color_from_depth * state.camera_from_world[k];
-        for (std::uint32_t r = sampled.runs.first_of_frame[k]; r < sampled.runs.first_of_frame[k + 1]; ++r) {
-            const ObservationRun& run = sampled.runs.run[r];
-            const Projection color_from_point =
-                (color_from_world * state.plane[run.plane].projection()).matrix().topRows<3>().cast<float>();
-            for (std::size_t o = run.begin; o < run.end; o += kFloats)
-                sample_lanes(samples, picture, color_from_point, sampled, o, run.end - o);
-        }
-    });
+    parallel_for(scene.frames(), [&](std::size_t k) { sample_frame(samples, scene, state, k, sampled, level); });
     return samples;
 }
 
 std::vector<float> texel_colors(const Observations& observations, const std::vector<float>& gray, double delta,
                                 int rounds)
 {
-    const std::size_t count = observations.first_of_texel.size() - 1;
-    std::vector<float> color(count, 0.0f);
-    const auto weighted_mean = [&](std::size_t t, bool robust) {
-        double sum = 0.0, weight_sum = 0.0;
-        for (std::uint32_t i = observations.first_of_texel[t]; i < observations.first_of_texel[t + 1]; ++i) {
-            const double value = gray[observations.of_texel[i]];
-            const double weight = robust ? huber_weight(value - color[t], delta) : 1.0;
-            sum += weight * value;
-            weight_sum += weight;
+    const std::size_t texels = observations.first_of_texel.size() - 1;
+    std::vector<float> color(texels, 0.0f);
+    parallel_chunks(texels, kColorGrain, [&](std::size_t begin, std::size_t end) {
+        std::vector<float> view;
+        for (std::size_t t = begin; t < end; ++t) {
+            const std::uint32_t first = observations.first_of_texel[t];
+            view.resize(observations.first_of_texel[t + 1] - first);
+            for (std::size_t i = 0; i < view.size(); ++i)
+                view[i] = gray[observations.of_texel[first + i]];
+            for (int round = 0; round <= rounds && !view.empty(); ++round)
+                color[t] = weighted_mean(view, color[t], round > 0 ? static_cast<float>(delta) : kNoDelta);
         }
-        return weight_sum > 0.0 ? static_cast<float>(sum / weight_sum) : 0.0f;
-    };
-    parallel_for(
-        count,
-        [&](std::size_t t) {
-            for (int round = 0; round <= rounds; ++round)
-                color[t] = weighted_mean(t, round > 0);
-        },
-        kColorGrain);
+    });
     return color;
 }
 

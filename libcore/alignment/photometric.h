@@ -5,11 +5,9 @@
 
 namespace quoin {
 
-// What frames show of their texels: the grey, not corrected by the exposure, 0..1; the place (X/Z, Y/Z) where the
-// colour camera sees the texel; and the derivatives of the grey by it. A point outside the image takes the colour of
-// its border, with no derivative: the energy keeps its set of terms.
+// What SampleLanes tell, of every observation.
 struct GraySamples {
-    std::vector<float> value, by_x, by_y, x, y; // of every observation
+    std::vector<float> value, by_x, by_y, x, y;
 };
 
 // Texels, and who sees them.

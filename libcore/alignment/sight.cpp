@@ -66,8 +66,7 @@ FrameSight look(const AlignmentScene& scene, const AlignmentState& state, std::s
 {
     const OptimizeTextureParams& params = scene.params;
     const Camera raster = state.color.camera.at_level(kRasterLevel);
-    Visibility seen =
-        rasterize(scene.mesh.mesh, raster, state.color.color_from_depth * state.camera_from_world[k]);
+    Visibility seen = rasterize(scene.mesh.mesh, raster, state.color.color_from_depth * state.camera_from_world[k]);
     const double border = std::max(1.0, params.border / (1 << level));
     FrameSight sight{scene,
                      scene.images[k].gray[static_cast<std::size_t>(level)],
@@ -89,8 +88,6 @@ FrameSight look(const AlignmentScene& scene, const AlignmentState& state, std::s
              [&](int x, int y) { sight.plane.at(x, y) = kNoPlane; });
     return sight;
 }
-
-Floats size_of(const Floats& value) { return value < 0.0f ? -value : value; }
 
 // A plane as the frame sees it; points come to the cameras by way of their projection onto it.
 struct PlaneSight {
@@ -133,19 +130,18 @@ struct PlaneSight {
     {
         const Floats u = pixel.in_image ? pixel.u : Floats{}, v = pixel.in_image ? pixel.v : Floats{};
         const auto margin = static_cast<float>(frame.scene.params.saturation);
-        const Floats gray = frame.gray.sample(u, v).value;
+        const Floats gray = frame.gray.sample(frame.gray.place(u, v)).value;
         return (gray >= margin) & (gray <= 1.0f - margin);
     }
     // A bit for each of the first eight of `count` points from `first` on.
     unsigned sees(const TexelLanes& points, std::size_t first, std::size_t count) const
     {
         const OptimizeTextureParams& params = frame.scene.params;
-        const PointLanes p_color = color_from_point * PointLanes{load_part(&points.x[first], count),
-                                                                 load_part(&points.y[first], count),
-                                                                 load_part(&points.z[first], count)};
+        const PointLanes p_color =
+            color_from_point * PointLanes{load_part(&points.x[first], count), load_part(&points.y[first], count),
+                                          load_part(&points.z[first], count)};
         const auto pixel = frame.color.project(p_color);
-        const Floats length =
-            square_root(p_color.x * p_color.x + p_color.y * p_color.y + p_color.z * p_color.z);
+        const Floats length = square_root(p_color.x * p_color.x + p_color.y * p_color.y + p_color.z * p_color.z);
         const Ints in_sight = pixel.in_image & (p_color.z >= static_cast<float>(params.min_depth)) &
                               (p_color.z <= static_cast<float>(params.max_depth)) &
                               (static_cast<float>(params.min_cosine) * length <= distance);

@@ -25,7 +25,7 @@ Fit with_better_exposures(const AlignmentProblem& problem, Fit current)
 Fit joint_step(const AlignmentProblem& problem, Fit current, double& damping)
 {
     const OptimizeTextureParams& params = problem.scene.params;
-    const auto equations = linearize(problem, current.state, current.samples, current.color, TexelColors::Eliminated);
+    const auto equations = linearize(problem, current);
     for (int trial = 0; trial < params.damping_trials; ++trial) {
         Fit candidate = fit(
             problem, moved(current.state, solve_joint(equations, damping, params.cg_iterations, params.cg_tolerance)));
@@ -54,14 +54,12 @@ void keep_only(StepVector& step, const StepLayout& layout, Block block)
 AlignmentState block_step(const AlignmentProblem& problem, const AlignmentState& state, const std::vector<float>& color,
                           Block block)
 {
-    const GraySamples samples = sample_grays(problem, state);
-    const auto equations = linearize(problem, state, samples, color, TexelColors::Frozen);
+    FrozenColors colors = frozen_colors(problem, state, color);
+    const BlockEnergies before = energies(problem, state, colors.cost);
+    const auto equations = linearize(problem, state, std::move(colors));
     StepVector step = solve_blocks(equations, problem.scene.params.damping);
     keep_only(step, equations.layout, block);
-    const auto energies_of = [&](const AlignmentState& candidate) {
-        return energies(problem, candidate, sample_grays(problem, candidate), color);
-    };
-    const BlockEnergies before = energies(problem, state, samples, color), after = energies_of(moved(state, step));
+    const BlockEnergies after = energies(problem, moved(state, step), color);
     const auto put_back = [&](Eigen::Index first, Eigen::Index size, double was, double is) {
         if (!(is < was)) step.segment(first, size).setZero();
     };
@@ -72,7 +70,7 @@ AlignmentState block_step(const AlignmentProblem& problem, const AlignmentState&
         for (std::size_t p = 0; p < before.of_plane.size(); ++p)
             put_back(equations.layout.plane(p), 3, before.of_plane[p], after.of_plane[p]);
     const AlignmentState candidate = moved(state, step);
-    return energies_of(candidate).sum.total() < before.sum.total() ? candidate : state;
+    return energies(problem, candidate, color).sum.total() < before.sum.total() ? candidate : state;
 }
 
 } // namespace

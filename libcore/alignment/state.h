@@ -1,6 +1,7 @@
 // The unknowns of the alignment and how a small step moves each of them.
 #pragma once
 
+#include "base/lanes.h"
 #include "geometry/camera.h"
 #include "geometry/plane.h"
 #include "geometry/rigid.h"
@@ -71,6 +72,11 @@ inline double huber_cost(double r, double delta)
 {
     const double size = std::abs(r);
     return size <= delta ? r * r : delta * (2.0 * size - delta);
+}
+inline Floats huber_cost(const Floats& r, float delta)
+{
+    const Floats size = size_of(r);
+    return size <= delta ? r * r : delta * (2.0f * size - delta);
 }
 inline double huber_weight(double r, double delta)
 {

@@ -42,6 +42,7 @@ inline Ints load(const int* from)
 inline void store(const Ints& lanes, int* to) { std::memcpy(to, &lanes, sizeof lanes); }
 
 inline Floats each(float value) { return Floats{} + value; }
+inline Floats size_of(const Floats& value) { return value < 0.0f ? -value : value; }
 inline Floats to_floats(const Ints& lanes) { return __builtin_convertvector(lanes, Floats); }
 inline Ints to_ints(const Floats& lanes) { return __builtin_convertvector(lanes, Ints); } // towards 0
 
@@ -137,6 +138,13 @@ inline IntPairs gather_pairs(const std::uint32_t* from, const Ints& index)
 #else
     return {gather(from, index), gather(from + 1, index)};
 #endif
+}
+
+// The first `count` lanes, zero in the others.
+inline Floats first_of(const Floats& lanes, std::size_t count)
+{
+    constexpr Ints kLane{0, 1, 2, 3, 4, 5, 6, 7};
+    return kLane < static_cast<int>(std::min(count, kFloats)) ? lanes : Floats{};
 }
 
 inline Floats square_root(const Floats& lanes)

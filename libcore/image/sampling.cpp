@@ -74,14 +74,18 @@ GrayImage smooth(const GrayImage& image, double sigma)
     const auto kernel = gaussian_kernel(sigma);
     const int radius = static_cast<int>(kernel.size() / 2);
     GrayImage rows(image.width, image.height), result(image.width, image.height);
-    for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x) {
-            float sum = 0.0f;
-            for (int k = -radius; k <= radius; ++k)
-                sum +=
-                    kernel[static_cast<std::size_t>(k + radius)] * image.at(std::clamp(x + k, 0, image.width - 1), y);
-            rows.at(x, y) = sum;
+    std::vector<float> wide(static_cast<std::size_t>(image.width + 2 * radius)); // a row with its borders repeated
+    for (int y = 0; y < image.height; ++y) {
+        for (int x = -radius; x < image.width + radius; ++x)
+            wide[static_cast<std::size_t>(x + radius)] = image.at(std::clamp(x, 0, image.width - 1), y);
+        float* out = rows.row(y);
+        for (int k = 0; k <= 2 * radius; ++k) {
+            const float* in = wide.data() + k;
+            const float weight = kernel[static_cast<std::size_t>(k)];
+            for (int x = 0; x < image.width; ++x)
+                out[x] += weight * in[x];
         }
+    }
     for (int y = 0; y < image.height; ++y) {
         float* out = result.row(y);
         for (int k = -radius; k <= radius; ++k) {

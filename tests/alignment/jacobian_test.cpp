@@ -62,13 +62,15 @@ AlignmentState random_state(Random& random)
     return state;
 }
 
+constexpr float kSlope = 200.0f / 65536.0f, kDark = 8935.0f / 65536.0f; // up to 65535 / 65536: all held exactly
+
 // A linear image: its bilinear surface is exact everywhere, so differences across pixels are exact too.
 GrayImage ramp(int width, int height)
 {
     GrayImage image(width, height);
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x)
-            image.at(x, y) = 0.002f * static_cast<float>(3 * x + 2 * y) + 0.1f;
+            image.at(x, y) = kSlope * static_cast<float>(3 * x + 2 * y) + kDark;
     return image;
 }
 
@@ -77,8 +79,8 @@ double ramp_gray(const AlignmentState& state, const CenteredPlane& plane, const 
 {
     const Vector3 x = state.color.color_from_depth * (state.camera_from_world[0] * plane.project(p));
     const Eigen::Vector2d u = state.color.camera.project(x);
-    const double slope = static_cast<double>(0.002f);
-    return state.exposure[0].gain * (slope * (3 * u.x() + 2 * u.y()) + 0.1) + state.exposure[0].bias;
+    const double slope = static_cast<double>(kSlope), dark = static_cast<double>(kDark);
+    return state.exposure[0].gain * (slope * (3 * u.x() + 2 * u.y()) + dark) + state.exposure[0].bias;
 }
 
 // What the frame of a state shows of one point of its first plane.
