@@ -22,7 +22,7 @@ constexpr std::size_t kBatch = 8;
 float sharpened(float label) { return label * label * label * label; }
 
 // Views in memory from the first reading to the second, as far as they go.
-constexpr std::size_t kKeptBytes = std::size_t{400} << 20;
+constexpr std::size_t kKeptBytes = std::size_t{600} << 20;
 
 struct Batch {
     std::size_t first = 0; // keyframe of view[0]

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -36,34 +37,51 @@ struct Target {
 
 using Corners = std::array<Eigen::Vector3d, 3>; // in camera coordinates [m]
 
-std::vector<Eigen::Vector3d> to_camera(const TriangleMesh& mesh, const Rigid& camera_from_world)
-{
-    std::vector<Eigen::Vector3d> p_camera(mesh.position.size());
-    std::ranges::transform(mesh.position, p_camera.begin(), [&](const Eigen::Vector3f& p_world) -> Eigen::Vector3d {
-        return camera_from_world * p_world.cast<double>();
-    });
-    return p_camera;
-}
+// What a corner tells of the faces that have it.
+enum Corner : std::uint8_t {
+    kBeyondLeft = 1,
+    kBeyondRight = 2,
+    kBeyondTop = 4,
+    kBeyondBottom = 8,
+    kBehind = 16, // the near plane
+    kNotFinite = 32
+};
 
-// Beyond one border of the image as a whole, by more than a pixel, so that rounding plays no part. The sides are linear
-// in the corners: what of the triangle is before the camera is beyond the border, too.
-bool is_outside(const Corners& v, const Camera& camera)
+// Vertices in camera coordinates [m]; most faces fall to what their corners tell, and are not looked at further.
+struct CameraVertices {
+    std::vector<Eigen::Vector3d> p_camera;
+    std::vector<std::uint8_t> corner;
+};
+
+// Beyond a border of the image means by more than a pixel, so that rounding plays no part. The sides are linear in the
+// corners: if all are beyond one, then so is what of the triangle is before the camera.
+CameraVertices to_camera(const TriangleMesh& mesh, const Camera& camera, const Rigid& camera_from_world,
+                         double near_plane)
 {
     const double left = camera.cx + 1.0, right = camera.width - camera.cx;
     const double top = camera.cy + 1.0, bottom = camera.height - camera.cy;
-    const auto all = [&](const auto& beyond) { return beyond(v[0]) && beyond(v[1]) && beyond(v[2]); };
-    return all([&](const Eigen::Vector3d& p) { return camera.fx * p.x() + left * p.z() < 0.0; }) ||
-           all([&](const Eigen::Vector3d& p) { return camera.fx * p.x() - right * p.z() > 0.0; }) ||
-           all([&](const Eigen::Vector3d& p) { return camera.fy * p.y() + top * p.z() < 0.0; }) ||
-           all([&](const Eigen::Vector3d& p) { return camera.fy * p.y() - bottom * p.z() > 0.0; });
+    CameraVertices vertices;
+    vertices.p_camera.resize(mesh.position.size());
+    vertices.corner.resize(mesh.position.size());
+    for (std::size_t i = 0; i < mesh.position.size(); ++i) {
+        const Eigen::Vector3d p = camera_from_world * mesh.position[i].cast<double>();
+        const double x = camera.fx * p.x(), y = camera.fy * p.y(), z = p.z();
+        vertices.p_camera[i] = p;
+        vertices.corner[i] = static_cast<std::uint8_t>(
+            (x + left * z < 0.0 ? kBeyondLeft : 0) | (x - right * z > 0.0 ? kBeyondRight : 0) |
+            (y + top * z < 0.0 ? kBeyondTop : 0) | (y - bottom * z > 0.0 ? kBeyondBottom : 0) |
+            (z <= near_plane ? kBehind : 0) | (p.allFinite() ? 0 : kNotFinite));
+    }
+    return vertices;
 }
 
-bool is_drawable(const Corners& v, const RasterizeOptions& options)
+bool may_show(const CameraVertices& vertices, const Face& f)
 {
-    const bool finite = v[0].allFinite() && v[1].allFinite() && v[2].allFinite();
-    if (!finite || std::max({v[0].z(), v[1].z(), v[2].z()}) <= options.near_plane) return false;
-    return !options.cull_back_faces || (v[1] - v[0]).cross(v[2] - v[0]).dot(v[0]) < 0.0;
+    const unsigned a = vertices.corner[f[0]], b = vertices.corner[f[1]], c = vertices.corner[f[2]];
+    return (a & b & c) == 0 && ((a | b | c) & kNotFinite) == 0;
 }
+
+bool faces_away(const Corners& v) { return !((v[1] - v[0]).cross(v[2] - v[0]).dot(v[0]) < 0.0); }
 
 // Where the edge crosses the near plane. Always computed from the inner end, so that two triangles that share the edge
 // get the same point and no gap opens between them.
@@ -173,15 +191,16 @@ Visibility to_visibility(Target target)
 Visibility rasterize(const TriangleMesh& mesh, const Camera& camera, const Rigid& camera_from_world,
                      const RasterizeOptions& options)
 {
-    const auto p_camera = to_camera(mesh, camera_from_world);
+    const CameraVertices vertices = to_camera(mesh, camera, camera_from_world, options.near_plane);
     Target target{{camera.width, camera.height, kNoFace}, {camera.width, camera.height, 0.0f}};
     Spans spans;
     spans.left.resize(static_cast<std::size_t>(camera.height));
     spans.right.resize(static_cast<std::size_t>(camera.height));
     for (FaceId id = 0; id < mesh.face.size(); ++id) {
         const Face& f = mesh.face[id];
-        const Corners v{p_camera[f[0]], p_camera[f[1]], p_camera[f[2]]};
-        if (!is_drawable(v, options) || is_outside(v, camera)) continue;
+        if (!may_show(vertices, f)) continue;
+        const Corners v{vertices.p_camera[f[0]], vertices.p_camera[f[1]], vertices.p_camera[f[2]]};
+        if (options.cull_back_faces && faces_away(v)) continue;
         const auto plane = inverse_depth(v, camera, options.near_plane);
         if (!plane) continue;
         find_spans(spans, clip_and_project(v, camera, options.near_plane), camera.height);
