@@ -5,6 +5,8 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
+#include <utility>
 
 namespace quoin {
 

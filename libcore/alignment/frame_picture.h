@@ -3,6 +3,8 @@
 
 #include "alignment/observations.h"
 
+#include <array>
+
 namespace quoin {
 
 // Of eight observations: the grey, not corrected by the exposure, 0..1; its derivatives by the place (X/Z, Y/Z) where
