@@ -16,8 +16,10 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr int kInnerSteps = 5;
-constexpr int kCoarsest = 2;          // pyramid level of the first round
-constexpr int kFinest = 1;            // and of the last
+constexpr int kCoarsest = 2; // pyramid level of the first round; the next are finer
+// Of both images. Bilinear samples between pixels blur the photograph and so lower the residuals of noise and detail:
+// without, poses are drawn to where all points fall half-way between pixels.
+constexpr double kSmoothing = 1.0;    // [px]
 constexpr double kGraySigma = 0.04;   // of 1; Huber's limit of brightness
 constexpr double kDepthSigma = 0.004; // at 1 m, grows with the square [m]; Huber's limit of depth
 constexpr double kDepthReach = 0.10;  // depth farther off is of something else [m]
@@ -32,7 +34,7 @@ struct ModelPoint {
 
 std::vector<ModelPoint> model_points(const RenderedView& view, const Camera& camera, const Rigid& color_from_world)
 {
-    const GrayImage gray = to_gray(view.color);
+    const GrayImage gray = smooth(to_gray(view.color), kSmoothing);
     const Rigid world_from_color = color_from_world.inverse();
     const auto point = [&](int x, int y) -> Vector3d {
         return camera.ray(Vector2d(x, y)) * static_cast<double>(view.depth.at(x, y));
@@ -42,12 +44,12 @@ std::vector<ModelPoint> model_points(const RenderedView& view, const Camera& cam
         for (int x = 1; x + 1 < camera.width; ++x) {
             const float z = view.depth.at(x, y);
             if (z <= 0.0f) continue;
-            const bool smooth = std::abs(view.depth.at(x + 1, y) - z) < kJump * z &&
-                                std::abs(view.depth.at(x - 1, y) - z) < kJump * z &&
-                                std::abs(view.depth.at(x, y + 1) - z) < kJump * z &&
-                                std::abs(view.depth.at(x, y - 1) - z) < kJump * z;
+            const bool flat = std::abs(view.depth.at(x + 1, y) - z) < kJump * z &&
+                              std::abs(view.depth.at(x - 1, y) - z) < kJump * z &&
+                              std::abs(view.depth.at(x, y + 1) - z) < kJump * z &&
+                              std::abs(view.depth.at(x, y - 1) - z) < kJump * z;
             Vector3d normal = Vector3d::Zero();
-            if (smooth)
+            if (flat)
                 normal = (point(x + 1, y) - point(x - 1, y)).cross(point(x, y + 1) - point(x, y - 1)).normalized();
             points.push_back({world_from_color * point(x, y), world_from_color.linear() * normal, gray.at(x, y)});
         }
@@ -79,8 +81,8 @@ struct Exposure {
 // The photograph at one level, where points fall.
 class Level {
 public:
-    Level(const TargetView& target, GrayImage gray, int level)
-        : target_(target), gray_(std::move(gray)), camera_(target.color_camera.at_level(level))
+    Level(const TargetView& target, const GrayImage& gray, int level)
+        : target_(target), gray_(smooth(gray, kSmoothing)), camera_(target.color_camera.at_level(level))
     {
     }
     const Camera& camera() const { return camera_; }
@@ -164,7 +166,7 @@ Rigid refine_pose(const TargetView& target, const RenderModel& render, const Rig
         pyramid.push_back(half_size(pyramid.back()));
     Rigid T = color_from_world;
     for (int round = 0; round < rounds; ++round) {
-        const int l = 2 * round < rounds - 1 ? kCoarsest : kFinest;
+        const int l = std::max(kCoarsest - round, 0);
         const Level level(target, pyramid[static_cast<std::size_t>(l)], l);
         const RenderedView view = render(level.camera(), T);
         T = fit_round(level, model_points(view, level.camera(), T), T);
