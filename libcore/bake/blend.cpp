@@ -18,6 +18,9 @@ namespace {
 // Keyframes in memory at a time; fixed, for their number must not depend on the threads.
 constexpr std::size_t kBatch = 8;
 
+constexpr int kStride = 2; // divides kTileSize
+static_assert(kTileSize % kStride == 0);
+
 // Sharpens the bilinear weight of a label, so that two views mix over a quarter of a tile only.
 float sharpened(float label) { return label * label * label * label; }
 
@@ -113,14 +116,34 @@ std::vector<ChartTiles> judge_views(const Atlas& atlas, const BakeInput& input, 
     return tiles;
 }
 
-// The sums over views of one chart.
+// The low band of a lattice, at texels.
+class ShiftedBand {
+public:
+    ShiftedBand(LowBand band, const Eigen::Vector2i& first, int stride)
+        : band_(std::move(band)), first_(first), scale_(1.0f / static_cast<float>(stride))
+    {
+    }
+    Eigen::Vector3f at(int x, int y) const
+    {
+        return band_.at(static_cast<float>(x - first_.x()) * scale_, static_cast<float>(y - first_.y()) * scale_);
+    }
+
+private:
+    LowBand band_;
+    Eigen::Vector2i first_; // texel of the lattice's first point
+    float scale_;
+};
+
+// The sums over views of one chart: those of all views on a lattice of every kStride-th texel, for they give coarse
+// colours only, those of the best views at every texel.
 class ChartBlend {
 public:
     ChartBlend(const PlaneMesh& planes, const TexelChart& texels, const ChartTiles& tiles,
                const BakeTextureParams& params)
         : texels_(&texels), tiles_(&tiles), params_(&params), positions_(planes, texels),
-          cell_(std::max(1, static_cast<int>(std::lround(params.band_width * texels.chart.density)))),
-          mean_(texels.width(), texels.height()), last_views_(texels, tiles)
+          stride_(params.blend == Blend::Mean ? 1 : kStride),
+          cell_(std::max(1, static_cast<int>(std::lround(params.band_width * texels.chart.density / stride_)))),
+          mean_(on_lattice(texels.width()), on_lattice(texels.height())), last_views_(texels, tiles)
     {
         if (params.blend != Blend::Mean) best_ = Image<WeightedColor>(texels.width(), texels.height());
     }
@@ -129,39 +152,47 @@ public:
     ChartColors finish() const;
 
 private:
-    struct Patch { // a part of the chart's rectangle
-        int x = 0, y = 0;
-        Image<WeightedColor> texel;
+    struct Lattice { // a part of the chart's
+        Eigen::Vector2i first_tile;
+        Image<WeightedColor> color;
     };
-    Patch sample(const TextureView& view, const TileWeights& weights);
-    void sample_tile(const TextureView& view, const TileWeights& weights, const Eigen::Vector2i& tile, Patch& patch);
-    void add_best(const Patch& patch, const TileWeights& weights);
-    void add_best_texel(const Patch& patch, const std::optional<LowBand>& low, int x, int y, float label);
+    int on_lattice(int texels) const { return (texels + stride_ - 1) / stride_; }
+    Eigen::Vector2i end_of(const Eigen::Vector2i& tile) const // [texel]
+    {
+        return ((tile.array() + 1) * kTileSize).min(Eigen::Array2i(texels_->width(), texels_->height()));
+    }
+    Lattice sample(const TextureView& view, const TileWeights& weights);
+    void sample_tile(const TextureView& view, const TileWeights& weights, const Eigen::Vector2i& tile,
+                     Lattice& lattice);
+    void add_detail(const TextureView& view, const TileWeights& weights, const Lattice& lattice);
+    void add_detail(const TextureView& view, const TileWeights& weights, const Eigen::Vector2i& tile,
+                    const std::optional<ShiftedBand>& low);
+    WeightedColor mean_at(int x, int y) const;
 
     const TexelChart* texels_;
     const ChartTiles* tiles_;
     const BakeTextureParams* params_;
     TexelPositions positions_;
-    int cell_; // [texel]
-    Image<WeightedColor> mean_;
+    int stride_;                // of the lattice [texel]
+    int cell_;                  // [lattice step]
+    Image<WeightedColor> mean_; // of the lattice
     Image<WeightedColor> best_; // whole colours (best-view) or those above the low band (two-band)
     LastViews last_views_;
 };
 
 void ChartBlend::sample_tile(const TextureView& view, const TileWeights& weights, const Eigen::Vector2i& tile,
-                             Patch& patch)
+                             Lattice& lattice)
 {
     const bool plain_mean = params_->blend == Blend::Mean;
     const double density = texels_->chart.density;
-    const Eigen::Vector2i begin = tile * kTileSize;
-    const Eigen::Vector2i end = (begin.array() + kTileSize).min(Eigen::Array2i(texels_->width(), texels_->height()));
-    for (int y = begin.y(); y < end.y(); ++y) {
+    const Eigen::Vector2i begin = tile * kTileSize, end = end_of(tile), origin = lattice.first_tile * kTileSize;
+    for (int y = begin.y(); y < end.y(); y += stride_) {
         const TileWeights::Row consistency = weights.consistency(tile.x(), y);
-        const RowAims aims(view, *texels_, positions_, {begin.x(), y}, Margins::Safe);
-        for (int x = begin.x(); x < end.x(); ++x) {
+        const RowAims aims(view, *texels_, positions_, {begin.x(), y}, Margins::Safe, stride_);
+        for (int x = begin.x(); x < end.x(); x += stride_) {
             const auto sighting = view.see(aims[x], Margins::Safe);
             if (!sighting) continue;
-            const Eigen::Vector3f recorded = view.recorded_color(*sighting, density);
+            const Eigen::Vector3f recorded = view.recorded_color(*sighting, density / stride_);
             const Eigen::Vector3f color = view.common_color(*sighting, recorded);
             const double resolution = sighting->resolution / density;
             const double quality = sighting->trust * sighting->facing * resolution * resolution * view.sharpness();
@@ -169,52 +200,54 @@ void ChartBlend::sample_tile(const TextureView& view, const TileWeights& weights
                                             : static_cast<float>(quality) *
                                                   consistency[static_cast<std::size_t>(x - begin.x())] *
                                                   TextureView::exposure_weight(recorded);
-            if (weight > 0.0f) mean_.at(x, y).add(color, weight);
-            patch.texel.at(x - patch.x, y - patch.y).add(color, 1.0f);
+            if (weight > 0.0f) mean_.at(x / stride_, y / stride_).add(color, weight);
+            lattice.color.at((x - origin.x()) / stride_, (y - origin.y()) / stride_).add(color, 1.0f);
         }
     }
 }
 
-// What the view shows of the chart; adds it to the mean.
-ChartBlend::Patch ChartBlend::sample(const TextureView& view, const TileWeights& weights)
+// What the view shows of the chart, on the lattice; adds it to the mean.
+ChartBlend::Lattice ChartBlend::sample(const TextureView& view, const TileWeights& weights)
 {
     Eigen::AlignedBox2i reached;
     for (int row = 0; row < tiles_->rows; ++row)
         for (int column = 0; column < tiles_->columns; ++column)
             if (weights.reaches(column, row)) reached.extend(Eigen::Vector2i(column, row));
-    const Eigen::Vector2i begin = reached.min() * kTileSize;
-    const Eigen::Vector2i end =
-        ((reached.max().array() + 1) * kTileSize).min(Eigen::Array2i(texels_->width(), texels_->height()));
-    Patch patch{begin.x(), begin.y(), Image<WeightedColor>(end.x() - begin.x(), end.y() - begin.y())};
+    const Eigen::Vector2i size = end_of(reached.max()) - reached.min() * kTileSize;
+    Lattice lattice{reached.min(), Image<WeightedColor>(on_lattice(size.x()), on_lattice(size.y()))};
     for (int row = reached.min().y(); row <= reached.max().y(); ++row)
         for (int column = reached.min().x(); column <= reached.max().x(); ++column)
-            if (weights.reaches(column, row)) sample_tile(view, weights, {column, row}, patch);
-    return patch;
+            if (weights.reaches(column, row)) sample_tile(view, weights, {column, row}, lattice);
+    return lattice;
 }
 
-void ChartBlend::add_best(const Patch& patch, const TileWeights& weights)
+void ChartBlend::add_detail(const TextureView& view, const TileWeights& weights, const Lattice& lattice)
 {
-    std::optional<LowBand> low;
-    if (params_->blend == Blend::TwoBand) low.emplace(patch.texel, cell_);
-    const int columns = patch.texel.width, rows = patch.texel.height;
-    for (int top = 0; top < rows; top += kTileSize)
-        for (int left = 0; left < columns; left += kTileSize) {
-            const int column = (patch.x + left) / kTileSize;
-            if (!weights.labels(column, (patch.y + top) / kTileSize)) continue;
-            for (int y = top; y < std::min(top + kTileSize, rows); ++y) {
-                const TileWeights::Row label = weights.label(column, patch.y + y);
-                for (int x = left; x < std::min(left + kTileSize, columns); ++x)
-                    add_best_texel(patch, low, x, y, label[static_cast<std::size_t>(x - left)]);
-            }
+    std::optional<ShiftedBand> low;
+    if (params_->blend == Blend::TwoBand)
+        low.emplace(LowBand(lattice.color, cell_), lattice.first_tile * kTileSize, stride_);
+    for (int row = 0; row < tiles_->rows; ++row)
+        for (int column = 0; column < tiles_->columns; ++column)
+            if (weights.labels(column, row)) add_detail(view, weights, Eigen::Vector2i(column, row), low);
+}
+
+void ChartBlend::add_detail(const TextureView& view, const TileWeights& weights, const Eigen::Vector2i& tile,
+                            const std::optional<ShiftedBand>& low)
+{
+    const Eigen::Vector2i begin = tile * kTileSize, end = end_of(tile);
+    for (int y = begin.y(); y < end.y(); ++y) {
+        const TileWeights::Row label = weights.label(tile.x(), y);
+        const RowAims aims(view, *texels_, positions_, {begin.x(), y}, Margins::Safe);
+        for (int x = begin.x(); x < end.x(); ++x) {
+            const float weight = sharpened(label[static_cast<std::size_t>(x - begin.x())]);
+            if (weight <= 0.0f) continue;
+            const auto sighting = view.see(aims[x], Margins::Safe);
+            if (!sighting) continue;
+            Eigen::Vector3f color = view.common_color(*sighting, view.detail_color(*sighting, texels_->chart.density));
+            if (low) color -= low->at(x, y);
+            best_.at(x, y).add(color, weight);
         }
-}
-
-void ChartBlend::add_best_texel(const Patch& patch, const std::optional<LowBand>& low, int x, int y, float label)
-{
-    const WeightedColor& texel = patch.texel.at(x, y);
-    if (texel.weight <= 0.0f || label <= 0.0f) return;
-    const Eigen::Vector3f color = low ? Eigen::Vector3f(texel.color() - low->at(x, y)) : texel.color();
-    best_.at(patch.x + x, patch.y + y).add(color, sharpened(label));
+    }
 }
 
 void ChartBlend::add(const TextureView& view, std::uint32_t keyframe)
@@ -222,26 +255,38 @@ void ChartBlend::add(const TextureView& view, std::uint32_t keyframe)
     last_views_.add(view, keyframe, positions_);
     const TileWeights weights(*tiles_, keyframe);
     if (!weights.any_view()) return;
-    const Patch patch = sample(view, weights);
-    if (!best_.empty() && weights.any_label()) add_best(patch, weights);
+    const Lattice lattice = sample(view, weights);
+    if (!best_.empty() && weights.any_label()) add_detail(view, weights, lattice);
+}
+
+// Between points of the lattice the mean of those around that are known.
+WeightedColor ChartBlend::mean_at(int x, int y) const
+{
+    WeightedColor mean;
+    for (int j = y / stride_; j <= std::min((y + stride_ - 1) / stride_, mean_.height - 1); ++j)
+        for (int i = x / stride_; i <= std::min((x + stride_ - 1) / stride_, mean_.width - 1); ++i)
+            if (const WeightedColor& known = mean_.at(i, j); known.weight > 0.0f) mean.add(known.color(), 1.0f);
+    return mean;
 }
 
 ChartColors ChartBlend::finish() const
 {
-    ChartColors result{Image<Eigen::Vector3f>(mean_.width, mean_.height, Eigen::Vector3f::Zero()),
-                       Image<TexelSource>(mean_.width, mean_.height, TexelSource::Empty)};
-    std::optional<LowBand> low;
-    if (params_->blend == Blend::TwoBand) low.emplace(mean_, cell_);
-    for (int y = 0; y < mean_.height; ++y)
-        for (int x = 0; x < mean_.width; ++x) {
-            if (mean_.at(x, y).weight <= 0.0f) continue;
-            Eigen::Vector3f color = mean_.at(x, y).color();
-            // Where the labelled view misses a texel, the mean of the others stands in.
+    ChartColors result{Image<Eigen::Vector3f>(texels_->width(), texels_->height(), Eigen::Vector3f::Zero()),
+                       Image<TexelSource>(texels_->width(), texels_->height(), TexelSource::Empty)};
+    std::optional<ShiftedBand> low;
+    if (params_->blend == Blend::TwoBand) low.emplace(LowBand(mean_, cell_), Eigen::Vector2i::Zero(), stride_);
+    for (int y = 0; y < result.color.height; ++y)
+        for (int x = 0; x < result.color.width; ++x) {
+            if (texels_->face.at(x, y) == kNoFace) continue;
             if (!best_.empty() && best_.at(x, y).weight > 0.0f) {
-                color = best_.at(x, y).color();
-                if (low) color += low->at(x, y);
+                result.color.at(x, y) = best_.at(x, y).color();
+                if (low) result.color.at(x, y) += low->at(x, y);
+            } else if (const WeightedColor mean = mean_at(x, y); mean.weight > 0.0f) {
+                // Where the labelled view misses a texel, the mean of the others stands in.
+                result.color.at(x, y) = mean.color();
+            } else {
+                continue;
             }
-            result.color.at(x, y) = color;
             result.source.at(x, y) = TexelSource::Photograph;
         }
     last_views_.fill_gaps(result, params_->seam_step);

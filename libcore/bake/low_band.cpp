@@ -64,17 +64,15 @@ void LowBand::find_slopes()
         }
 }
 
-Eigen::Vector3f LowBand::at(int x, int y) const
+Eigen::Vector3f LowBand::at(float x, float y) const
 {
     const auto cell = static_cast<float>(cell_);
-    const float cx =
-        std::clamp((static_cast<float>(x) + 0.5f) / cell - 0.5f, 0.0f, static_cast<float>(cells_.width - 1));
-    const float cy =
-        std::clamp((static_cast<float>(y) + 0.5f) / cell - 0.5f, 0.0f, static_cast<float>(cells_.height - 1));
+    const float cx = std::clamp((x + 0.5f) / cell - 0.5f, 0.0f, static_cast<float>(cells_.width - 1));
+    const float cy = std::clamp((y + 0.5f) / cell - 0.5f, 0.0f, static_cast<float>(cells_.height - 1));
     const int x0 = static_cast<int>(cx), y0 = static_cast<int>(cy);
     const int x1 = std::min(x0 + 1, cells_.width - 1), y1 = std::min(y0 + 1, cells_.height - 1);
     const float fx = cx - static_cast<float>(x0), fy = cy - static_cast<float>(y0);
-    const Eigen::Vector2f here(static_cast<float>(x), static_cast<float>(y));
+    const Eigen::Vector2f here(x, y);
     WeightedColor mean;
     const auto mix = [&](int i, int j, float w) {
         const Cell& c = cells_.at(i, j);

@@ -10,8 +10,8 @@ class LowBand {
 public:
     // cell [texel]: the standard deviation of the low-pass. Every known texel counts alike.
     LowBand(const Image<WeightedColor>& texels, int cell);
-    // The coarse colour at a texel; zero where nothing is known within two cells.
-    Eigen::Vector3f at(int x, int y) const;
+    // The coarse colour at a texel or between texels; zero where nothing is known within two cells.
+    Eigen::Vector3f at(float x, float y) const;
 
 private:
     // The known texels about a cell: their mean colour and place [texel], and how the colour changes from place to

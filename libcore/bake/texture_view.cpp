@@ -243,20 +243,30 @@ TextureView::TwoSightings TextureView::see_by_both(const Aim& aim) const
     return {true, is_within(aim, safe_) ? std::optional(sighting(aim, safe_)) : std::nullopt};
 }
 
-Eigen::Vector3f TextureView::recorded_color(const Sighting& sighting, double density) const
+TextureView::Place TextureView::in_pyramid(const Sighting& sighting, double density) const
 {
     // A texel of at least sqrt(2) pixels is nearer to the next level.
     std::size_t level = 0;
     for (double pixels = sighting.resolution / density; pixels > std::numbers::sqrt2 && level + 1 < color_.size();
          pixels /= 2.0)
         ++level;
-    const ColorImage& image = color_[level];
     const double scale = 1.0 / static_cast<double>(1u << level);
-    const Eigen::Vector2d pixel = (sighting.pixel.array() + 0.5) * scale - 0.5;
+    return {color_[level], (sighting.pixel.array() + 0.5) * scale - 0.5};
+}
+
+Eigen::Vector3f TextureView::recorded_color(const Sighting& sighting, double density) const
+{
+    const auto [image, pixel] = in_pyramid(sighting, density);
     // Bilinear samples need a neighbour on every side.
     const double x = std::clamp(pixel.x(), 0.0, image.width - 1.001),
                  y = std::clamp(pixel.y(), 0.0, image.height - 1.001);
     return sample_color(image, x, y);
+}
+
+Eigen::Vector3f TextureView::detail_color(const Sighting& sighting, double density) const
+{
+    const auto [image, pixel] = in_pyramid(sighting, density);
+    return sample_color_cubic(image, pixel.x(), pixel.y());
 }
 
 Eigen::Vector3f TextureView::common_color(const Sighting& sighting, const Eigen::Vector3f& recorded) const

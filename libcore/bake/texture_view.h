@@ -61,7 +61,9 @@ public:
     // The recorded colour there, 0..255, from the pyramid level whose pixels are as large as a texel of the given
     // density [1/m].
     Eigen::Vector3f recorded_color(const Sighting& sighting, double density) const;
-    // The same in the common exposure, 0..255 and beyond.
+    // The same by a cubic through four pixels each way (Keys 1981), which keeps the detail that a mean of two blurs.
+    Eigen::Vector3f detail_color(const Sighting& sighting, double density) const;
+    // A recorded colour in the common exposure, 0..255 and beyond.
     Eigen::Vector3f common_color(const Sighting& sighting, const Eigen::Vector3f& recorded) const;
     Eigen::Vector3f color(const Sighting& sighting, double density) const
     {
@@ -81,6 +83,11 @@ private:
         double least_facing = 0.0;
         double edge = 0.0, border = 0.0; // distances to edges of depth and the image's [px]
     };
+    struct Place {
+        const ColorImage& image;
+        Eigen::Vector2d pixel;
+    };
+    Place in_pyramid(const Sighting& sighting, double density) const;
     static Image<EdgedDepth> edged(const DepthImage& depth, const Image<float>& to_edge, float scale);
     const Limits& limits(Margins margins) const { return margins == Margins::Safe ? safe_ : least_; }
     bool shows_surface(const Aim& aim, const EdgedDepth& drawn) const; // at a pixel of the colour image

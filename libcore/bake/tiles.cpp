@@ -168,19 +168,19 @@ void TileSamples::judge(const TextureView& view, std::uint32_t keyframe, ChartTi
 }
 
 RowAims::RowAims(const TextureView& view, const TexelChart& texels, const TexelPositions& positions,
-                 const Eigen::Vector2i& first, Margins margins)
-    : first_(first.x())
+                 const Eigen::Vector2i& first, Margins margins, int stride)
+    : first_(first.x()), stride_(stride)
 {
     const int y = first.y(), last = std::min(first_ + kTileSize, texels.width());
     for (int begin = first_, end = begin; begin < last; begin = end) {
         const auto face = texels.face.at(begin, y);
-        while (end < last && texels.face.at(end, y) == face)
-            ++end;
+        std::size_t count = 0;
+        for (; end < last && texels.face.at(end, y) == face; end += stride)
+            ++count;
         if (face == kNoFace) continue;
         const Eigen::Vector3d p_world = positions.world(face, begin, y);
-        const PointRow points{p_world, positions.world(face, begin + 1, y) - p_world, positions.normal(face)};
-        view.aim(points, margins,
-                 {&aim_[static_cast<std::size_t>(begin - first_)], static_cast<std::size_t>(end - begin)});
+        const PointRow points{p_world, positions.world(face, begin + stride, y) - p_world, positions.normal(face)};
+        view.aim(points, margins, {&aim_[static_cast<std::size_t>((begin - first_) / stride)], count});
     }
 }
 

@@ -60,15 +60,18 @@ private:
     double radius_ = 0.0;
 };
 
-// A view's aims at the texels of a tile in one row, from `first` on; outside the chart it sees nothing.
+// A view's aims at every `stride`-th texel of a tile in one row, from `first` on; outside the chart it sees nothing.
 class RowAims {
 public:
     RowAims(const TextureView& view, const TexelChart& texels, const TexelPositions& positions,
-            const Eigen::Vector2i& first, Margins margins);
-    const TextureView::Aim& operator[](int texel_x) const { return aim_[static_cast<std::size_t>(texel_x - first_)]; }
+            const Eigen::Vector2i& first, Margins margins, int stride = 1);
+    const TextureView::Aim& operator[](int texel_x) const
+    {
+        return aim_[static_cast<std::size_t>((texel_x - first_) / stride_)];
+    }
 
 private:
-    int first_;
+    int first_, stride_;
     std::array<TextureView::Aim, kTileSize> aim_;
 };
 

@@ -5,6 +5,16 @@
 namespace quoin {
 namespace {
 
+// Of the pixels from the one before on, for a point `t` behind a pixel, 0..1.
+std::array<float, 4> cubic_weights(float t)
+{
+    const float t2 = t * t, t3 = t2 * t;
+    return {0.5f * (-t3 + 2 * t2 - t), 0.5f * (3 * t3 - 5 * t2 + 2), 0.5f * (-3 * t3 + 4 * t2 + t), 0.5f * (t3 - t2)};
+}
+
+} // namespace
+namespace {
+
 std::vector<float> gaussian_kernel(double sigma)
 {
     const int radius = std::max(1, static_cast<int>(std::ceil(3.0 * sigma)));
@@ -96,6 +106,27 @@ GrayImage smooth(const GrayImage& image, double sigma)
         }
     }
     return result;
+}
+
+Eigen::Vector3f sample_color_cubic(const ColorImage& image, double x, double y)
+{
+    const int left = static_cast<int>(std::floor(x)) - 1, top = static_cast<int>(std::floor(y)) - 1;
+    const auto across = cubic_weights(static_cast<float>(x - left - 1)),
+               down = cubic_weights(static_cast<float>(y - top - 1));
+    const bool within = left >= 0 && left + 3 < image.width;
+    std::array<float, 12> columns{}; // three channels of four columns
+    for (int j = 0; j < 4; ++j) {
+        const Rgb8* row = image.row(std::clamp(top + j, 0, image.height - 1));
+        std::array<Rgb8, 4> pixel;
+        for (int i = 0; i < 4; ++i)
+            pixel[static_cast<std::size_t>(i)] = row[within ? left + i : std::clamp(left + i, 0, image.width - 1)];
+        for (std::size_t k = 0; k < columns.size(); ++k)
+            columns[k] += down[static_cast<std::size_t>(j)] * pixel[k / 3][k % 3];
+    }
+    Eigen::Vector3f color = Eigen::Vector3f::Zero();
+    for (std::size_t i = 0; i < 4; ++i)
+        color += across[i] * Eigen::Vector3f(columns[3 * i], columns[3 * i + 1], columns[3 * i + 2]);
+    return color;
 }
 
 } // namespace quoin

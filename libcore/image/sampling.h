@@ -48,4 +48,8 @@ inline Eigen::Vector3f sample_color(const ColorImage& image, double x, double y)
            fy * ((1 - fx) * pixel(bottom[0]) + fx * pixel(bottom[1]));
 }
 
+// Colour by the cubic convolution of Keys (1981), which goes through the pixels and keeps quadratics; beyond 0..255
+// where it swings over. Pixels outside the image are those of its border.
+Eigen::Vector3f sample_color_cubic(const ColorImage& image, double x, double y);
+
 } // namespace quoin
