@@ -14,8 +14,8 @@
 
 namespace quoin {
 
-// Mean: the plain average of all views (Wang & Guo 2019). BestView: every tile from its best view, feathered. TwoBand:
-// coarse colours from all views, detail from the best one.
+// Mean: the plain average of all views (Wang & Guo 2019). BestView: every tile from its best views, feathered. TwoBand:
+// coarse colours from all views, detail from the best ones.
 enum class Blend { Mean, BestView, TwoBand };
 constexpr auto choice_names(Blend) { return std::array{"mean", "best-view", "two-band"}; }
 
@@ -27,7 +27,7 @@ struct BakeTextureParams {
     double density = 300.0;
     double min_density = 150.0;
     double max_density = 800.0;
-    double supersampling = 1.0;
+    double supersampling = 1.25;
     double max_megatexels = 32.0;
     int max_page_size = 4096;
     int clean_mip_levels = 1;
@@ -44,6 +44,7 @@ struct BakeTextureParams {
     double consistency = 8.0;
     double label_smoothness = 0.5;
     double band_width = 0.02;
+    double detail_quality = 0.9;
     double dense_radius = 0.05;
     double seam_width = 0.1;
     double seam_step = 25.0;
@@ -100,8 +101,12 @@ struct BakeTextureParams {
                   "qualities",
                   0.0, 100.0},
             Param{"band_width", &P::band_width, "m",
-                  "size above which colours come from all views, below which they come from the best one (two-band)",
+                  "size above which colours come from all views, below which they come from the best ones (two-band)",
                   0.001, 1.0},
+            Param{"detail_quality", &P::detail_quality, "",
+                  "views of a tile whose quality and consistency are at least this share of the best one's lend "
+                  "detail too, which lowers noise; 1 = the best one only",
+                  0.0, 1.0},
             Param{"dense_radius", &P::dense_radius, "m",
                   "farthest vertex of the dense mesh that colours an unseen texel", 0.001, 1.0},
             Param{"seam_width", &P::seam_width, "m",

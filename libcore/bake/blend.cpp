@@ -21,9 +21,6 @@ constexpr std::size_t kBatch = 8;
 constexpr int kStride = 2; // divides kTileSize
 static_assert(kTileSize % kStride == 0);
 
-// Sharpens the bilinear weight of a label, so that two views mix over a quarter of a tile only.
-float sharpened(float label) { return label * label * label * label; }
-
 // Views in memory from the first reading to the second, as far as they go.
 constexpr std::size_t kKeptBytes = std::size_t{600} << 20;
 
@@ -167,7 +164,6 @@ private:
     void add_detail(const TextureView& view, const TileWeights& weights, const Lattice& lattice);
     void add_detail(const TextureView& view, const TileWeights& weights, const Eigen::Vector2i& tile,
                     const std::optional<ShiftedBand>& low);
-    WeightedColor mean_at(int x, int y) const;
 
     const TexelChart* texels_;
     const ChartTiles* tiles_;
@@ -188,7 +184,7 @@ void ChartBlend::sample_tile(const TextureView& view, const TileWeights& weights
     const Eigen::Vector2i begin = tile * kTileSize, end = end_of(tile), origin = lattice.first_tile * kTileSize;
     for (int y = begin.y(); y < end.y(); y += stride_) {
         const TileWeights::Row consistency = weights.consistency(tile.x(), y);
-        const RowAims aims(view, *texels_, positions_, {begin.x(), y}, Margins::Safe, stride_);
+        const RowAims aims(view, *texels_, positions_, {{begin.x(), y}, kTileSize, stride_}, Margins::Safe);
         for (int x = begin.x(); x < end.x(); x += stride_) {
             const auto sighting = view.see(aims[x], Margins::Safe);
             if (!sighting) continue;
@@ -228,7 +224,7 @@ void ChartBlend::add_detail(const TextureView& view, const TileWeights& weights,
         low.emplace(LowBand(lattice.color, cell_), lattice.first_tile * kTileSize, stride_);
     for (int row = 0; row < tiles_->rows; ++row)
         for (int column = 0; column < tiles_->columns; ++column)
-            if (weights.labels(column, row)) add_detail(view, weights, Eigen::Vector2i(column, row), low);
+            if (weights.gives_detail(column, row)) add_detail(view, weights, Eigen::Vector2i(column, row), low);
 }
 
 void ChartBlend::add_detail(const TextureView& view, const TileWeights& weights, const Eigen::Vector2i& tile,
@@ -236,16 +232,19 @@ void ChartBlend::add_detail(const TextureView& view, const TileWeights& weights,
 {
     const Eigen::Vector2i begin = tile * kTileSize, end = end_of(tile);
     for (int y = begin.y(); y < end.y(); ++y) {
-        const TileWeights::Row label = weights.label(tile.x(), y);
-        const RowAims aims(view, *texels_, positions_, {begin.x(), y}, Margins::Safe);
-        for (int x = begin.x(); x < end.x(); ++x) {
-            const float weight = sharpened(label[static_cast<std::size_t>(x - begin.x())]);
-            if (weight <= 0.0f) continue;
+        const TileWeights::Row weight = weights.detail(tile.x(), y);
+        int first = begin.x(), last = end.x();
+        while (first < last && weight[static_cast<std::size_t>(first - begin.x())] <= 0.0f)
+            ++first;
+        while (first < last && weight[static_cast<std::size_t>(last - 1 - begin.x())] <= 0.0f)
+            --last;
+        const RowAims aims(view, *texels_, positions_, {{first, y}, last - first}, Margins::Safe);
+        for (int x = first; x < last; ++x) {
             const auto sighting = view.see(aims[x], Margins::Safe);
             if (!sighting) continue;
             Eigen::Vector3f color = view.common_color(*sighting, view.detail_color(*sighting, texels_->chart.density));
             if (low) color -= low->at(x, y);
-            best_.at(x, y).add(color, weight);
+            best_.at(x, y).add(color, weight[static_cast<std::size_t>(x - begin.x())]);
         }
     }
 }
@@ -253,20 +252,10 @@ void ChartBlend::add_detail(const TextureView& view, const TileWeights& weights,
 void ChartBlend::add(const TextureView& view, std::uint32_t keyframe)
 {
     last_views_.add(view, keyframe, positions_);
-    const TileWeights weights(*tiles_, keyframe);
+    const TileWeights weights(*tiles_, keyframe, params_->detail_quality);
     if (!weights.any_view()) return;
     const Lattice lattice = sample(view, weights);
-    if (!best_.empty() && weights.any_label()) add_detail(view, weights, lattice);
-}
-
-// Between points of the lattice the mean of those around that are known.
-WeightedColor ChartBlend::mean_at(int x, int y) const
-{
-    WeightedColor mean;
-    for (int j = y / stride_; j <= std::min((y + stride_ - 1) / stride_, mean_.height - 1); ++j)
-        for (int i = x / stride_; i <= std::min((x + stride_ - 1) / stride_, mean_.width - 1); ++i)
-            if (const WeightedColor& known = mean_.at(i, j); known.weight > 0.0f) mean.add(known.color(), 1.0f);
-    return mean;
+    if (!best_.empty() && weights.any_detail()) add_detail(view, weights, lattice);
 }
 
 ChartColors ChartBlend::finish() const
@@ -281,7 +270,7 @@ ChartColors ChartBlend::finish() const
             if (!best_.empty() && best_.at(x, y).weight > 0.0f) {
                 result.color.at(x, y) = best_.at(x, y).color();
                 if (low) result.color.at(x, y) += low->at(x, y);
-            } else if (const WeightedColor mean = mean_at(x, y); mean.weight > 0.0f) {
+            } else if (const WeightedColor mean = between(mean_, stride_, x, y); mean.weight > 0.0f) {
                 // Where the labelled view misses a texel, the mean of the others stands in.
                 result.color.at(x, y) = mean.color();
             } else {

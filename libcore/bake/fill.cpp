@@ -37,6 +37,7 @@ std::optional<Eigen::Vector3f> mean_color(const TexelChart& texels, const ChartC
 // Gives all texels without colour the smooth continuation of the known ones.
 void fill_around(const Image<WeightedColor>& known, const TexelChart& texels, ChartColors& colors)
 {
+    if (std::ranges::find(colors.source.pixels, TexelSource::Empty) == colors.source.pixels.end()) return;
     const auto filled = push_pull(known);
     for (int y = 0; y < texels.height(); ++y)
         for (int x = 0; x < texels.width(); ++x) {
@@ -105,6 +106,66 @@ private:
     std::vector<std::vector<std::uint32_t>> charts_of_vertex_;
 };
 
+// Unseen texels, and those beside them, where both colours are known.
+bool needs_dense(const TexelChart& texels, const ChartColors& colors, int x, int y)
+{
+    return is_face(texels, x, y) &&
+           (colors.source.at(x, y) == TexelSource::Empty || is_rim_of_seen(texels, colors, x, y));
+}
+
+// The dense mesh's colours where a chart needs them: looked up at every kDenseStride-th texel, for its vertices are
+// farther apart.
+class DenseLattice {
+public:
+    DenseLattice(const PlaneMesh& planes, const TexelChart& texels, const DenseColors& dense, const ChartColors& colors)
+        : texels_(texels), positions_(planes, texels), dense_(dense),
+          point_((texels.width() + kDenseStride - 1) / kDenseStride,
+                 (texels.height() + kDenseStride - 1) / kDenseStride)
+    {
+        for (int y = 0; y < point_.height; ++y)
+            for (int x = 0; x < point_.width; ++x)
+                if (is_needed_near(colors, x * kDenseStride, y * kDenseStride))
+                    if (const auto color = look_up(x * kDenseStride, y * kDenseStride))
+                        point_.at(x, y).add(*color, 1.0f);
+    }
+
+    std::optional<Eigen::Vector3f> at(int x, int y) const
+    {
+        if (const WeightedColor mean = between(point_, kDenseStride, x, y); mean.weight > 0.0f) return mean.color();
+        return has_point_near(x, y) ? std::nullopt : look_up(x, y);
+    }
+
+private:
+    static constexpr int kDenseStride = 2; // [texel]
+
+    bool is_needed_near(const ChartColors& colors, int x, int y) const
+    {
+        for (int v = std::max(0, y - kDenseStride + 1); v < std::min(texels_.height(), y + kDenseStride); ++v)
+            for (int u = std::max(0, x - kDenseStride + 1); u < std::min(texels_.width(), x + kDenseStride); ++u)
+                if (needs_dense(texels_, colors, u, v)) return true;
+        return false;
+    }
+    // Narrow charts pass between the points of the lattice.
+    bool has_point_near(int x, int y) const
+    {
+        const int left = x / kDenseStride * kDenseStride, right = std::min(left + kDenseStride, texels_.width() - 1);
+        const int top = y / kDenseStride * kDenseStride, bottom = std::min(top + kDenseStride, texels_.height() - 1);
+        return is_face(texels_, left, top) || is_face(texels_, right, top) || is_face(texels_, left, bottom) ||
+               is_face(texels_, right, bottom);
+    }
+    std::optional<Eigen::Vector3f> look_up(int x, int y) const
+    {
+        if (!is_face(texels_, x, y)) return std::nullopt;
+        const auto face = texels_.face.at(x, y);
+        return dense_.at(positions_.world(face, x, y), positions_.normal(face));
+    }
+
+    const TexelChart& texels_;
+    TexelPositions positions_;
+    const DenseColors& dense_;
+    Image<WeightedColor> point_;
+};
+
 } // namespace
 
 bool is_rim_of_seen(const TexelChart& texels, const ChartColors& colors, int x, int y)
@@ -147,23 +208,22 @@ Image<Eigen::Vector3f> push_pull(const Image<WeightedColor>& known)
 
 void fill_from_dense(const PlaneMesh& planes, const TexelChart& texels, const DenseColors& dense, ChartColors& colors)
 {
-    const TexelPositions positions(planes, texels);
+    const DenseLattice lattice(planes, texels, dense, colors);
     Image<std::uint8_t> lent(texels.width(), texels.height(), 0);
     Image<WeightedColor> shift(texels.width(), texels.height());
-    const auto seen = [&](int x, int y) { return colors.source.at(x, y) != TexelSource::Empty; };
     for (int y = 0; y < texels.height(); ++y)
         for (int x = 0; x < texels.width(); ++x) {
-            if (!is_face(texels, x, y) || (seen(x, y) && !is_rim_of_seen(texels, colors, x, y))) continue;
-            const auto face = texels.face.at(x, y);
-            const auto color = dense.at(positions.world(face, x, y), positions.normal(face));
+            if (!needs_dense(texels, colors, x, y)) continue;
+            const auto color = lattice.at(x, y);
             if (!color) continue;
-            if (seen(x, y)) {
+            if (colors.source.at(x, y) != TexelSource::Empty) {
                 shift.at(x, y).add(colors.color.at(x, y) - *color, 1.0f);
             } else {
                 colors.color.at(x, y) = *color;
                 lent.at(x, y) = 1;
             }
         }
+    if (std::ranges::find(lent.pixels, 1) == lent.pixels.end()) return;
     const auto shifts = push_pull(shift);
     for (int y = 0; y < texels.height(); ++y)
         for (int x = 0; x < texels.width(); ++x) {

@@ -42,7 +42,7 @@ void LastViews::add_tile(const TextureView& view, const TexelPositions& position
     const Eigen::Vector2i first = first_texel(gap);
     std::optional<RowAims> aims;
     for_each_texel(gap, [&](int x, int y, std::size_t i) {
-        if (x == first.x()) aims.emplace(view, *texels_, positions, Eigen::Vector2i(x, y), Margins::Least);
+        if (x == first.x()) aims.emplace(view, *texels_, positions, TexelRow{{x, y}}, Margins::Least);
         const auto sighting = view.see((*aims)[x], Margins::Least);
         if (!sighting) return;
         const double resolution = std::min(1.0, sighting->resolution / density);

@@ -18,14 +18,20 @@ private:
     // place.
     struct Cell {
         WeightedColor color;
-        Eigen::Vector2f place = Eigen::Vector2f::Zero(); // times the weight until `slope` is known
-        Eigen::Matrix<float, 3, 2> slope = Eigen::Matrix<float, 3, 2>::Zero();
+        Eigen::Vector2f place = Eigen::Vector2f::Zero(); // times the weight
     };
-    void smooth();
-    void find_slopes();
+    // colour * weight = at_origin + slope * place, and the weight, as
+    // they are mixed for every texel.
+    struct Ramp {
+        Eigen::Matrix<float, 3, 2> slope = Eigen::Matrix<float, 3, 2>::Zero();
+        Eigen::Vector3f at_origin = Eigen::Vector3f::Zero();
+        float weight = 0.0f;
+    };
+    void smooth(Image<Cell>& cells) const;
+    void find_ramps(Image<Cell> cells);
 
     int cell_;
-    Image<Cell> cells_;
+    Image<Ramp> ramps_;
 };
 
 } // namespace quoin

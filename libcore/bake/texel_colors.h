@@ -5,6 +5,7 @@
 #include "mesh/textured_mesh.h"
 
 #include <Eigen/Core>
+#include <algorithm>
 
 namespace quoin {
 
@@ -20,6 +21,16 @@ struct WeightedColor {
     }
     Eigen::Vector3f color() const { return sum / weight; }
 };
+
+// Colour at a texel, of a lattice of every `stride`-th texel: the mean of its points around that are known.
+inline WeightedColor between(const Image<WeightedColor>& lattice, int stride, int x, int y)
+{
+    WeightedColor mean;
+    for (int j = y / stride; j <= std::min((y + stride - 1) / stride, lattice.height - 1); ++j)
+        for (int i = x / stride; i <= std::min((x + stride - 1) / stride, lattice.width - 1); ++i)
+            if (const WeightedColor& point = lattice.at(i, j); point.weight > 0.0f) mean.add(point.color(), 1.0f);
+    return mean;
+}
 
 // One per texel of the chart's rectangle.
 struct ChartColors {

@@ -9,6 +9,7 @@ namespace {
 
 constexpr std::size_t kSamplesPerTile = 16;
 constexpr float kLeastConsistency = 1e-3f;    // a lone dissenter is better than no colour
+constexpr float kLeastDetail = 0.0038f;       // less than each of four tiles gives where they meet, 1/4^4
 constexpr double kMedianToDeviation = 1.4826; // of a normal distribution
 constexpr int kLabelRounds = 20;
 static_assert(kSamplesPerTile <= std::numeric_limits<SampleSet>::digits);
@@ -79,7 +80,7 @@ std::uint32_t best_label(const ChartTiles& tiles, int column, int row, double sm
     std::uint32_t best = kNoView;
     double best_cost = std::numeric_limits<double>::infinity();
     for (const auto& view : tiles.view[tiles.index(column, row)]) {
-        double cost = -std::log(static_cast<double>(view.quality) * view.consistency);
+        double cost = -std::log(static_cast<double>(view.worth()));
         for (const auto other : around)
             if (other != kNoView && other != view.keyframe) cost += smoothness;
         if (cost >= best_cost) continue;
@@ -87,6 +88,22 @@ std::uint32_t best_label(const ChartTiles& tiles, int column, int row, double sm
         best = view.keyframe;
     }
     return best;
+}
+
+// nullptr when the keyframe does not see the tile.
+const TileView* find_view(const std::vector<TileView>& views, std::uint32_t keyframe)
+{
+    const auto it = std::ranges::lower_bound(views, keyframe, {}, &TileView::keyframe);
+    return it != views.end() && it->keyframe == keyframe ? &*it : nullptr;
+}
+
+float detail_weight(const TileView& view, const TileView& labelled, double detail_quality)
+{
+    if (view.keyframe == labelled.keyframe) return 1.0f;
+    const double share = static_cast<double>(view.worth()) / labelled.worth();
+    return detail_quality < 1.0
+               ? static_cast<float>(std::clamp((share - detail_quality) / (1.0 - detail_quality), 0.0, 1.0))
+               : 0.0f;
 }
 
 } // namespace
@@ -168,19 +185,19 @@ void TileSamples::judge(const TextureView& view, std::uint32_t keyframe, ChartTi
 }
 
 RowAims::RowAims(const TextureView& view, const TexelChart& texels, const TexelPositions& positions,
-                 const Eigen::Vector2i& first, Margins margins, int stride)
-    : first_(first.x()), stride_(stride)
+                 const TexelRow& row, Margins margins)
+    : row_(row)
 {
-    const int y = first.y(), last = std::min(first_ + kTileSize, texels.width());
-    for (int begin = first_, end = begin; begin < last; begin = end) {
+    const int y = row.first.y(), last = std::min(row.first.x() + row.count, texels.width());
+    for (int begin = row.first.x(), end = begin; begin < last; begin = end) {
         const auto face = texels.face.at(begin, y);
         std::size_t count = 0;
-        for (; end < last && texels.face.at(end, y) == face; end += stride)
+        for (; end < last && texels.face.at(end, y) == face; end += row.stride)
             ++count;
         if (face == kNoFace) continue;
         const Eigen::Vector3d p_world = positions.world(face, begin, y);
-        const PointRow points{p_world, positions.world(face, begin + stride, y) - p_world, positions.normal(face)};
-        view.aim(points, margins, {&aim_[static_cast<std::size_t>((begin - first_) / stride)], count});
+        const PointRow points{p_world, positions.world(face, begin + row.stride, y) - p_world, positions.normal(face)};
+        view.aim(points, margins, {&aim_[static_cast<std::size_t>((begin - row.first.x()) / row.stride)], count});
     }
 }
 
@@ -213,19 +230,29 @@ void choose_labels(ChartTiles& tiles, double smoothness)
     }
 }
 
-TileWeights::TileWeights(const ChartTiles& tiles, std::uint32_t keyframe)
-    : columns_(tiles.columns), rows_(tiles.rows), consistency_(tiles.view.size(), 0.0f), label_(tiles.view.size(), 0.0f)
+TileWeights::TileWeights(const ChartTiles& tiles, std::uint32_t keyframe, double detail_quality)
+    : columns_(tiles.columns), rows_(tiles.rows), consistency_(tiles.view.size(), 0.0f),
+      detail_(tiles.view.size(), 0.0f)
 {
     for (std::size_t tile = 0; tile < tiles.view.size(); ++tile) {
-        const auto& views = tiles.view[tile];
-        const auto it = std::ranges::lower_bound(views, keyframe, {}, &TileView::keyframe);
-        if (it == views.end() || it->keyframe != keyframe) continue;
-        consistency_[tile] = it->consistency;
+        const TileView* view = find_view(tiles.view[tile], keyframe);
+        if (!view) continue;
+        consistency_[tile] = view->consistency;
         any_view_ = true;
-        if (tiles.label[tile] != keyframe) continue;
-        label_[tile] = 1.0f;
-        any_label_ = true;
+        const float weight = detail_weight(*view, *find_view(tiles.view[tile], tiles.label[tile]), detail_quality);
+        detail_[tile] = std::sqrt(std::sqrt(weight));
+        any_detail_ |= weight > 0.0f;
     }
+}
+
+TileWeights::Row TileWeights::detail(int column, int texel_y) const
+{
+    Row weights = row(detail_, column, texel_y);
+    for (float& w : weights) {
+        w = w * w * w * w;
+        if (w < kLeastDetail) w = 0.0f;
+    }
+    return weights;
 }
 
 bool TileWeights::is_positive_near(const std::vector<float>& weight, int column, int row) const

@@ -17,6 +17,7 @@ struct TileView {
     float quality = 0.0f; // 0..1: resolution, angle, sharpness, centring, trust and the part of the tile that is seen
     float consistency = 1.0f;                        // 0..1: agreement of its colour with the other views'
     Eigen::Vector3f color = Eigen::Vector3f::Zero(); // mean over the tile's samples, common exposure
+    float worth() const { return quality * consistency; }
 };
 
 using SampleSet = std::uint16_t; // a bit for each sample of a tile
@@ -60,18 +61,24 @@ private:
     double radius_ = 0.0;
 };
 
-// A view's aims at every `stride`-th texel of a tile in one row, from `first` on; outside the chart it sees nothing.
+// Every `stride`-th of `count` texels, at most those of a tile.
+struct TexelRow {
+    Eigen::Vector2i first;
+    int count = kTileSize, stride = 1;
+};
+
+// A view's aims at a row of texels; outside the chart it sees nothing.
 class RowAims {
 public:
-    RowAims(const TextureView& view, const TexelChart& texels, const TexelPositions& positions,
-            const Eigen::Vector2i& first, Margins margins, int stride = 1);
+    RowAims(const TextureView& view, const TexelChart& texels, const TexelPositions& positions, const TexelRow& row,
+            Margins margins);
     const TextureView::Aim& operator[](int texel_x) const
     {
-        return aim_[static_cast<std::size_t>((texel_x - first_) / stride_)];
+        return aim_[static_cast<std::size_t>((texel_x - row_.first.x()) / row_.stride)];
     }
 
 private:
-    int first_, stride_;
+    TexelRow row_;
     std::array<TextureView::Aim, kTileSize> aim_;
 };
 
@@ -86,19 +93,21 @@ void rate_consistency(ChartTiles& tiles, double deviation);
 // pair of neighbouring tiles with different views, by iterated conditional modes.
 void choose_labels(ChartTiles& tiles, double smoothness);
 
-// Weights of one view between the centres of tiles, bilinear.
+// Weights of one view between the centres of tiles, bilinear. Detail comes from the labelled view and, the less the
+// worse they are, from others with at least `detail_quality` of its quality and consistency.
 class TileWeights {
 public:
-    TileWeights(const ChartTiles& tiles, std::uint32_t keyframe);
+    TileWeights(const ChartTiles& tiles, std::uint32_t keyframe, double detail_quality);
     bool any_view() const { return any_view_; }
-    bool any_label() const { return any_label_; }
+    bool any_detail() const { return any_detail_; }
     // Is the view's weight positive anywhere in the tile?
     bool reaches(int column, int row) const { return is_positive_near(consistency_, column, row); }
-    bool labels(int column, int row) const { return is_positive_near(label_, column, row); }
+    bool gives_detail(int column, int row) const { return is_positive_near(detail_, column, row); }
     // Of the texels of a tile in one row of texels.
     using Row = std::array<float, kTileSize>;
     Row consistency(int column, int texel_y) const { return row(consistency_, column, texel_y); }
-    Row label(int column, int texel_y) const { return row(label_, column, texel_y); } // 0..1
+    // 0..1, sharpened so that tiles mix over a quarter of their width only; 0 where others outweigh it by far.
+    Row detail(int column, int texel_y) const;
 
 private:
     Row row(const std::vector<float>& weight, int column, int texel_y) const;
@@ -109,8 +118,9 @@ private:
     }
 
     int columns_, rows_;
-    std::vector<float> consistency_, label_; // of every tile
-    bool any_view_ = false, any_label_ = false;
+    std::vector<float> consistency_; // of every tile
+    std::vector<float> detail_;      // fourth root of the weight in the middle of the tile
+    bool any_view_ = false, any_detail_ = false;
 };
 
 } // namespace quoin

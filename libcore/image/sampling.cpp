@@ -1,6 +1,7 @@
 #include "image/sampling.h"
 
 #include <algorithm>
+#include <cstring>
 
 namespace quoin {
 namespace {
@@ -8,12 +9,10 @@ namespace {
 // Of the pixels from the one before on, for a point `t` behind a pixel, 0..1.
 std::array<float, 4> cubic_weights(float t)
 {
-    const float t2 = t * t, t3 = t2 * t;
-    return {0.5f * (-t3 + 2 * t2 - t), 0.5f * (3 * t3 - 5 * t2 + 2), 0.5f * (-3 * t3 + 4 * t2 + t), 0.5f * (t3 - t2)};
+    constexpr float a = -0.75f; // slope of the kernel at a distance of 1; -0.5 blurs more, -1 swings over more
+    const float s = 1.0f - t;
+    return {a * t * s * s, ((a + 2) * t - (a + 3)) * t * t + 1, ((a + 2) * s - (a + 3)) * s * s + 1, a * s * t * t};
 }
-
-} // namespace
-namespace {
 
 std::vector<float> gaussian_kernel(double sigma)
 {
@@ -117,11 +116,13 @@ Eigen::Vector3f sample_color_cubic(const ColorImage& image, double x, double y)
     std::array<float, 12> columns{}; // three channels of four columns
     for (int j = 0; j < 4; ++j) {
         const Rgb8* row = image.row(std::clamp(top + j, 0, image.height - 1));
-        std::array<Rgb8, 4> pixel;
+        std::array<Rgb8, 4> pixels;
         for (int i = 0; i < 4; ++i)
-            pixel[static_cast<std::size_t>(i)] = row[within ? left + i : std::clamp(left + i, 0, image.width - 1)];
+            pixels[static_cast<std::size_t>(i)] = row[within ? left + i : std::clamp(left + i, 0, image.width - 1)];
+        std::array<std::uint8_t, 12> channels;
+        std::memcpy(channels.data(), pixels.data(), channels.size());
         for (std::size_t k = 0; k < columns.size(); ++k)
-            columns[k] += down[static_cast<std::size_t>(j)] * pixel[k / 3][k % 3];
+            columns[k] += down[static_cast<std::size_t>(j)] * static_cast<float>(channels[k]);
     }
     Eigen::Vector3f color = Eigen::Vector3f::Zero();
     for (std::size_t i = 0; i < 4; ++i)

@@ -48,8 +48,9 @@ inline Eigen::Vector3f sample_color(const ColorImage& image, double x, double y)
            fy * ((1 - fx) * pixel(bottom[0]) + fx * pixel(bottom[1]));
 }
 
-// Colour by the cubic convolution of Keys (1981), which goes through the pixels and keeps quadratics; beyond 0..255
-// where it swings over. Pixels outside the image are those of its border.
+// Colour by cubic convolution (Keys 1981), which goes through the pixels; beyond 0..255 where it swings over. Somewhat
+// sharper than Keys's own kernel, for what it gives is sampled bilinearly once more. Pixels outside the image are those
+// of its border.
 Eigen::Vector3f sample_color_cubic(const ColorImage& image, double x, double y);
 
 } // namespace quoin
