@@ -27,7 +27,7 @@ struct BakeTextureParams {
     double density = 300.0;
     double min_density = 150.0;
     double max_density = 800.0;
-    double supersampling = 1.25;
+    double supersampling = 1.15;
     double max_megatexels = 32.0;
     int max_page_size = 4096;
     int clean_mip_levels = 1;

@@ -43,10 +43,13 @@ void LastViews::add_tile(const TextureView& view, const TexelPositions& position
     std::optional<RowAims> aims;
     for_each_texel(gap, [&](int x, int y, std::size_t i) {
         if (x == first.x()) aims.emplace(view, *texels_, positions, TexelRow{{x, y}}, Margins::Least);
-        const auto sighting = view.see((*aims)[x], Margins::Least);
+        const TextureView::Aim& aim = (*aims)[x];
+        if (aim.z == 0.0) return;
+        const double trusted = aim.facing * std::min(1.0, view.resolution(aim) / density) * view.sharpness();
+        if (trusted <= best_[gap][i].weight) return; // whatever the edges say
+        const auto sighting = view.see(aim, Margins::Least);
         if (!sighting) return;
-        const double resolution = std::min(1.0, sighting->resolution / density);
-        const auto quality = static_cast<float>(sighting->trust * sighting->facing * resolution * view.sharpness());
+        const auto quality = static_cast<float>(sighting->trust * trusted);
         if (quality <= best_[gap][i].weight) return;
         // At full resolution: coarser pixels would mix in what lies beyond an edge.
         best_[gap][i] = {quality * view.color(*sighting, sighting->resolution), quality};

@@ -14,6 +14,9 @@ namespace quoin {
 namespace {
 
 constexpr double kGuessedUse = 0.93; // of a page by masks, to guess its width
+constexpr double kGoodUse = 0.9;     // that is not worth another width
+constexpr int kWidths = 8;           // to try at most
+constexpr double kWider = 1.03;      // one than the one before
 constexpr double kNear = 0.25;       // how far below the highest place another is near it, in shorter sides of the mask
 constexpr std::size_t kTurns = 4;
 
@@ -111,14 +114,19 @@ std::vector<std::size_t> largest_first(const std::vector<BitMask>& masks)
     return order;
 }
 
-int page_width(const std::vector<BitMask>& masks, int max_side, int multiple)
+double total_area(const std::vector<BitMask>& masks)
 {
     double area = 0.0;
-    int longest = 1;
-    for (const auto& mask : masks) {
+    for (const auto& mask : masks)
         area += static_cast<double>(count(mask));
+    return area;
+}
+
+int page_width(const std::vector<BitMask>& masks, double area, int max_side, int multiple)
+{
+    int longest = 1;
+    for (const auto& mask : masks)
         longest = std::max({longest, mask.width(), mask.height()});
-    }
     const int side = static_cast<int>(std::ceil(std::sqrt(area / kGuessedUse)));
     return std::min(max_side, round_up(std::max(side, longest), multiple));
 }
@@ -137,11 +145,8 @@ PlaceOnPage find_page(std::vector<Page>& pages, const Turns& turns, PageSize siz
     return {pages.size() - 1, pages.back().find(turns).value()};
 }
 
-} // namespace
-
-Packing pack_masks(const std::vector<BitMask>& masks, int max_side, int multiple)
+Packing pack_on_width(const std::vector<BitMask>& masks, int width, int max_side, int multiple)
 {
-    const int width = page_width(masks, max_side, multiple);
     Packing packing;
     packing.mask.resize(masks.size());
     std::vector<Page> pages;
@@ -155,6 +160,29 @@ Packing pack_masks(const std::vector<BitMask>& masks, int max_side, int multiple
     for (const auto& page : pages)
         packing.page.push_back({round_up(page.used().width, multiple), round_up(page.used().height, multiple)});
     return packing;
+}
+
+double page_area(const Packing& packing)
+{
+    double area = 0.0;
+    for (const auto& page : packing.page)
+        area += static_cast<double>(page.width) * page.height;
+    return area;
+}
+
+} // namespace
+
+Packing pack_masks(const std::vector<BitMask>& masks, int max_side, int multiple)
+{
+    const double area = total_area(masks);
+    int width = page_width(masks, area, max_side, multiple);
+    Packing best = pack_on_width(masks, width, max_side, multiple);
+    for (int i = 1; i < kWidths && width < max_side && area < kGoodUse * page_area(best); ++i) {
+        width = std::min(max_side, round_up(static_cast<int>(std::ceil(kWider * width)), multiple));
+        Packing packing = pack_on_width(masks, width, max_side, multiple);
+        if (page_area(packing) < page_area(best)) best = std::move(packing);
+    }
+    return best;
 }
 
 } // namespace quoin

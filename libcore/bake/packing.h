@@ -25,8 +25,9 @@ struct Packing {
 
 // Packs all masks so that no two share a cell: the largest first, each as high up as it gets by any of its four turns,
 // and near there where it touches the most of what is there already. So small ones fill the holes and bays of large
-// ones. One page that is nearly square when max_side allows it, else several; all end below what they hold, and their
-// sides are multiples of `multiple`. Requires masks with sides from 1 to max_side, a multiple of `multiple`.
+// ones. Some widths are tried and the fullest page taken. One page that is nearly square when max_side allows it, else
+// several; all end below what they hold, and their sides are multiples of `multiple`. Requires masks with sides from 1
+// to max_side, a multiple of `multiple`.
 Packing pack_masks(const std::vector<BitMask>& masks, int max_side, int multiple);
 
 } // namespace quoin

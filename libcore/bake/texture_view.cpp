@@ -223,8 +223,7 @@ Sighting TextureView::sighting(const Aim& aim, const Limits& limits) const
 {
     const bool is_measured = aim.measured && aim.measured->depth > 0.0f;
     const double measured_trust = is_measured ? edge_ramp(aim.measured->to_edge, limits.edge) : kUnmeasuredTrust;
-    return {aim.pixel, color_camera_.fx * std::sqrt(aim.facing) / aim.z, aim.facing,
-            edge_ramp(aim.drawn->to_edge, limits.edge) * measured_trust};
+    return {aim.pixel, resolution(aim), aim.facing, edge_ramp(aim.drawn->to_edge, limits.edge) * measured_trust};
 }
 
 std::optional<Sighting> TextureView::see(const Aim& aim, Margins margins) const

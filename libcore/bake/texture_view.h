@@ -3,6 +3,7 @@
 
 #include "bake/bake_texture.h"
 
+#include <cmath>
 #include <optional>
 #include <span>
 #include <vector>
@@ -46,6 +47,9 @@ public:
         const EdgedDepth* measured = nullptr; // nullptr outside the depth image
     };
     void aim(const PointRow& points, Margins margins, std::span<Aim> aims) const;
+
+    // Of what is aimed at, seen or not [px/m].
+    double resolution(const Aim& aim) const { return color_camera_.fx * std::sqrt(aim.facing) / aim.z; }
 
     // nullopt when the point is out of sight: outside the image or the depth range, turned away, hidden by the mesh or
     // by something the mesh lacks, or too near to an edge of depth, where colours of two surfaces mix.
