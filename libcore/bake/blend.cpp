@@ -188,7 +188,7 @@ void ChartBlend::sample_tile(const TextureView& view, const TileWeights& weights
         for (int x = begin.x(); x < end.x(); x += stride_) {
             const auto sighting = view.see(aims[x], Margins::Safe);
             if (!sighting) continue;
-            const Eigen::Vector3f recorded = view.recorded_color(*sighting, density / stride_);
+            const Eigen::Vector3f recorded = view.recorded_color(*sighting, density);
             const Eigen::Vector3f color = view.common_color(*sighting, recorded);
             const double resolution = sighting->resolution / density;
             const double quality = sighting->trust * sighting->facing * resolution * resolution * view.sharpness();
@@ -270,7 +270,8 @@ ChartColors ChartBlend::finish() const
             if (!best_.empty() && best_.at(x, y).weight > 0.0f) {
                 result.color.at(x, y) = best_.at(x, y).color();
                 if (low) result.color.at(x, y) += low->at(x, y);
-            } else if (const WeightedColor mean = between(mean_, stride_, x, y); mean.weight > 0.0f) {
+            } else if (const WeightedColor mean = between(mean_, stride_, x, y);
+                       mean.weight == (x % stride_ ? 2.0f : 1.0f) * (y % stride_ ? 2.0f : 1.0f)) {
                 // Where the labelled view misses a texel, the mean of the others stands in.
                 result.color.at(x, y) = mean.color();
             } else {

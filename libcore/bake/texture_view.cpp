@@ -17,6 +17,7 @@ constexpr double kSigmas = 3.0;          // of the sensor's noise that still cou
 constexpr double kUnmeasuredTrust = 0.2; // where the sensor gave no depth, something unmodelled may stand in front
 constexpr float kFarFromEdges = 1e6f;    // [px]
 constexpr double kBilinearReach = 2.0;   // from a rounded pixel to the farthest that its colour mixes [px]
+constexpr double kCubicReach = 4.0;      // the same of a cubic
 constexpr double kLeastRamp = 0.02;      // weight right at the margin; better than no view at all
 constexpr float kSaturated = 250.0f;     // recorded grey level whose true brightness is unknown
 constexpr float kSaturatedWeight = 0.1f;
@@ -223,7 +224,8 @@ Sighting TextureView::sighting(const Aim& aim, const Limits& limits) const
 {
     const bool is_measured = aim.measured && aim.measured->depth > 0.0f;
     const double measured_trust = is_measured ? edge_ramp(aim.measured->to_edge, limits.edge) : kUnmeasuredTrust;
-    return {aim.pixel, resolution(aim), aim.facing, edge_ramp(aim.drawn->to_edge, limits.edge) * measured_trust};
+    return {aim.pixel, resolution(aim), aim.facing, edge_ramp(aim.drawn->to_edge, limits.edge) * measured_trust,
+            aim.drawn->to_edge >= limits.edge + kCubicReach - kBilinearReach};
 }
 
 std::optional<Sighting> TextureView::see(const Aim& aim, Margins margins) const
@@ -264,6 +266,7 @@ Eigen::Vector3f TextureView::recorded_color(const Sighting& sighting, double den
 
 Eigen::Vector3f TextureView::detail_color(const Sighting& sighting, double density) const
 {
+    if (!sighting.is_clear) return recorded_color(sighting, density);
     const auto [image, pixel] = in_pyramid(sighting, density);
     return sample_color_cubic(image, pixel.x(), pixel.y());
 }

@@ -15,6 +15,7 @@ struct Sighting {
     double resolution = 0.0; // pixels per metre on the surface, the geometric mean over its directions
     double facing = 0.0;     // cosine between the surface normal and the direction to the camera
     double trust = 0.0;      // 0..1: lower near edges of depth and of the image, and where depth is missing
+    bool is_clear = false;   // of edges, as far as a cubic reaches
 };
 
 // What a sighting must keep away from: edges of depth and of the image, and flat angles. The safe margins allow for
@@ -65,7 +66,8 @@ public:
     // The recorded colour there, 0..255, from the pyramid level whose pixels are as large as a texel of the given
     // density [1/m].
     Eigen::Vector3f recorded_color(const Sighting& sighting, double density) const;
-    // The same by a cubic through four pixels each way (Keys 1981), which keeps the detail that a mean of two blurs.
+    // The same by a cubic through four pixels each way (Keys 1981), which keeps the detail that a mean of two
+    // blurs; near edges as above.
     Eigen::Vector3f detail_color(const Sighting& sighting, double density) const;
     // A recorded colour in the common exposure, 0..255 and beyond.
     Eigen::Vector3f common_color(const Sighting& sighting, const Eigen::Vector3f& recorded) const;
