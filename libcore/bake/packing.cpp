@@ -14,7 +14,7 @@ namespace quoin {
 namespace {
 
 constexpr double kGuessedUse = 0.93; // of a page by masks, to guess its width
-constexpr double kGoodUse = 0.9;     // that is not worth another width
+constexpr double kGoodUse = 0.85;    // that is not worth another width
 constexpr int kWidths = 8;           // to try at most
 constexpr double kWider = 1.03;      // one than the one before
 constexpr double kNear = 0.25;       // how far below the highest place another is near it, in shorter sides of the mask
