@@ -16,16 +16,6 @@ using Eigen::Vector3f;
 
 constexpr std::size_t kColorGrain = 1024;
 
-Vector3d weights_at(const TriangleMesh& mesh, FaceId face, const Vector3d& point)
-{
-    const Vector3d a = corner(mesh, face, 0), e1 = corner(mesh, face, 1) - a, e2 = corner(mesh, face, 2) - a,
-                   n = e1.cross(e2);
-    const double square = n.squaredNorm();
-    if (square == 0.0) return Vector3d::UnitX();
-    const double b = (point - a).cross(e2).dot(n) / square, c = e1.cross(point - a).dot(n) / square;
-    return {1.0 - b - c, b, c};
-}
-
 // Colour of a model's point, 0..255.
 using ColorOf = std::function<Vector3f(FaceId, const Vector3d& weights)>;
 
@@ -51,7 +41,7 @@ void add_true_color(MetricList& list, const ColoredSurface& colored, const Groun
             if (!params.observed(s)) return;
             const auto near = surface.find(s.position.cast<double>(), params.match_distance);
             if (!near || face_normal(mesh, near->item).dot(s.normal.cast<double>()) < least_cosine) return;
-            const Vector3f color = colored.color_of(near->item, weights_at(mesh, near->item, near->point));
+            const Vector3f color = colored.color_of(near->item, barycentric(mesh, near->item, near->point));
             for (int c = 0; c < 3; ++c)
                 found.pixels[i][static_cast<std::size_t>(c)] =
                     static_cast<std::uint8_t>(std::clamp(color[c] + 0.5f, 0.0f, 255.0f));

@@ -198,6 +198,10 @@ void check(const Evaluated& inputs)
         (!inputs.model() || inputs.face_filled.size() != inputs.model()->mesh.face.size()))
         throw InputError(fmt::format("{} marks of closed holes: expected one for each face of the model",
                                      inputs.face_filled.size()));
+    if (inputs.keyframes && inputs.alignment &&
+        inputs.alignment->camera_from_world.size() != inputs.keyframes->frame.size())
+        throw InputError(fmt::format("alignment of {} keyframes, keyframes of {}: they come from different runs",
+                                     inputs.alignment->camera_from_world.size(), inputs.keyframes->frame.size()));
 }
 
 } // namespace

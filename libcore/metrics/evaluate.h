@@ -27,6 +27,7 @@ struct EvaluateParams {
     double crease_angle = 20.0;
     double crease_length = 0.1;
     double crease_step = 0.01;
+    double border_stretch = 0.1;
     int views = 0;
     int refine_rounds = 3;
     double depth_tolerance = 0.05;
@@ -56,8 +57,13 @@ struct EvaluateParams {
             Param{"crease_angle", &P::crease_angle, "deg", "edges between planes that turn by less are no creases", 0.0,
                   90.0},
             Param{"crease_length", &P::crease_length, "m", "shorter true creases are not asked for", 0.0, 10.0},
-            Param{"crease_step", &P::crease_step, "m", "distance of the points at which creases are compared", 0.001,
+            Param{"crease_step", &P::crease_step, "m",
+                  "distance of the points at which creases, and colours to both sides of borders, are compared", 0.001,
                   1.0},
+            Param{
+                "border_stretch", &P::border_stretch, "m",
+                "length of a border between planes over which what the baking added to its step of colour is averaged",
+                0.001, 10.0},
             Param{"views", &P::views, "", "largest number of held-out views to render, evenly chosen; 0 = all", 0.0,
                   100000.0},
             Param{"refine_rounds", &P::refine_rounds, "",
@@ -89,6 +95,8 @@ struct Evaluated {
 
     // The light model: the textured mesh's, or else the plane mesh.
     const PlaneMesh* model() const { return textured ? &textured->planes : planes; }
+    // Are there the keyframes' images and aligned poses?
+    bool can_look_from_keyframes() const { return scan && images && keyframes && alignment; }
 };
 
 // Lengths in millimetres, angles in degrees. Groups: size, hygiene, geometry, planes, creases, poses, exposure,

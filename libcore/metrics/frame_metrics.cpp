@@ -14,10 +14,6 @@ void check_belongs(const Evaluated& inputs)
         throw InputError(fmt::format("ground truth of {} frames, scan of {}: they do not belong together; give the "
                                      "folder that the scan was imported from",
                                      truth.world_from_camera.size(), inputs.scan->frames.size()));
-    if (inputs.alignment && inputs.keyframes &&
-        inputs.alignment->camera_from_world.size() != inputs.keyframes->frame.size())
-        throw InputError(fmt::format("alignment of {} keyframes, keyframes of {}: they come from different runs",
-                                     inputs.alignment->camera_from_world.size(), inputs.keyframes->frame.size()));
 }
 
 void add_trajectory(MetricList& list, const std::string& name, const TrajectoryError& error)

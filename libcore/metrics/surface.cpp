@@ -34,6 +34,16 @@ NormalEquations add(NormalEquations a, const NormalEquations& b)
 
 } // namespace
 
+Vector3d barycentric(const TriangleMesh& mesh, FaceId face, const Vector3d& point)
+{
+    const Vector3d a = corner(mesh, face, 0), e1 = corner(mesh, face, 1) - a, e2 = corner(mesh, face, 2) - a,
+                   n = e1.cross(e2);
+    const double square = n.squaredNorm();
+    if (square == 0.0) return Vector3d::UnitX();
+    const double b = (point - a).cross(e2).dot(n) / square, c = e1.cross(point - a).dot(n) / square;
+    return {1.0 - b - c, b, c};
+}
+
 std::vector<SurfaceSample> sample_surface(const TriangleMesh& mesh, std::size_t count)
 {
     std::vector<double> up_to{0.0};

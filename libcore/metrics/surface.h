@@ -16,6 +16,9 @@ struct SurfaceSample {
     FaceId face = 0;
 };
 
+// Weights of a point on the plane of a face, beyond its edges too; of its first corner when it has no area.
+Eigen::Vector3d barycentric(const TriangleMesh& mesh, FaceId face, const Eigen::Vector3d& point);
+
 // `count` points, stratified by area and placed by the R2 sequence; no random numbers. Empty for a mesh without area.
 std::vector<SurfaceSample> sample_surface(const TriangleMesh& mesh, std::size_t count);
 

@@ -15,10 +15,9 @@ using test::looking_at;
 using test::PaintedScan;
 using test::value_of;
 
-Metrics figures_of(const PaintedScan& scan, const BakeTextureParams& baking = {})
+Metrics figures_of(const PaintedScan& scan, const TexturedMesh& textured)
 {
     const ScanImages images = scan.images();
-    const TexturedMesh textured = bake_texture({images, scan.keyframes(), scan.planes(), scan.alignment()}, baking);
     Evaluated inputs;
     inputs.scan = &images.scan();
     inputs.images = &images;
@@ -28,6 +27,12 @@ Metrics figures_of(const PaintedScan& scan, const BakeTextureParams& baking = {}
     EvaluateParams params;
     params.samples = 20000;
     return evaluate(inputs, params);
+}
+
+Metrics figures_of(const PaintedScan& scan, const BakeTextureParams& baking = {})
+{
+    const ScanImages images = scan.images();
+    return figures_of(scan, bake_texture({images, scan.keyframes(), scan.planes(), scan.alignment()}, baking));
 }
 
 Vector3d gray(const Vector3d&) { return Vector3d::Constant(128); }
@@ -98,14 +103,14 @@ TexturedMesh two_gray_sheets(std::uint8_t left, std::uint8_t right, TexelSource 
     return textured;
 }
 
-TEST(TextureMetrics, MeasureTheStepOfColourBetweenPlanesButNotInside)
+TEST(TextureMetrics, MeasureTheContrastBetweenPlanesButNotInside)
 {
     const TexturedMesh textured = two_gray_sheets(100, 107, TexelSource::Photograph);
     Evaluated inputs;
     inputs.textured = &textured;
     const Metrics metrics = evaluate(inputs, {});
-    EXPECT_NEAR(value_of(metrics, "texture.border_step"), 7.0, 1e-3);
-    EXPECT_NEAR(value_of(metrics, "texture.inner_step"), 0.0, 1e-3);
+    EXPECT_NEAR(value_of(metrics, "texture.border_contrast"), 7.0, 1e-3);
+    EXPECT_NEAR(value_of(metrics, "texture.inner_contrast"), 0.0, 1e-3);
     EXPECT_NEAR(value_of(metrics, "texture.density"), 24.0, 1e-3);
     EXPECT_NEAR(value_of(metrics, "texture.atlas_use"), 2.0 * 24.0 * 24.0 / (64.0 * 64.0), 1e-6);
 }
@@ -116,8 +121,55 @@ TEST(TextureMetrics, MeasureNoStepsOfColoursThatAreNoPhotographs)
     Evaluated inputs;
     inputs.textured = &textured;
     const Metrics metrics = evaluate(inputs, {});
-    EXPECT_FALSE(has(metrics, "texture.border_step"));
+    EXPECT_FALSE(has(metrics, "texture.border_contrast"));
     EXPECT_EQ(value_of(metrics, "texture.dense_mesh"), 1.0);
+}
+
+// The figures of such sheets by photographs of two exposures that show 100 to the left and 150 to the right.
+Metrics figures_by_photographs_of_100_and_150(const TexturedMesh& textured)
+{
+    PaintedScan scan(textured.planes,
+                     [](const Vector3d& p) { return Vector3d::Constant(p.x() < 1.0 ? 100.0 : 150.0); });
+    scan.add_view(looking_at({1.0, -2.5, 0.5}, {1.0, 0.0, 0.5}), 2.0, -20.0);
+    scan.add_view(looking_at({0.7, -2.4, 0.5}, {1.0, 0.0, 0.5}), 0.8, 5.0);
+    return figures_of(scan, textured);
+}
+constexpr double kHalfLevelOfDarkPhotograph = 1.0;
+
+TEST(TextureMetrics, TakeNoTrueChangeOfColourForAStepThatTheBakingAdded)
+{
+    const Metrics metrics = figures_by_photographs_of_100_and_150(two_gray_sheets(100, 150, TexelSource::Photograph));
+    EXPECT_NEAR(value_of(metrics, "texture.border_contrast"), 50.0, 1e-3);
+    EXPECT_NEAR(value_of(metrics, "texture.border_step"), 0.0, kHalfLevelOfDarkPhotograph);
+}
+
+TEST(TextureMetrics, MeasureTheStepThatTheBakingAddedToATrueChangeOfColour)
+{
+    const Metrics metrics = figures_by_photographs_of_100_and_150(two_gray_sheets(100, 160, TexelSource::Photograph));
+    EXPECT_NEAR(value_of(metrics, "texture.border_contrast"), 60.0, 1e-3);
+    EXPECT_NEAR(value_of(metrics, "texture.border_step"), 10.0, kHalfLevelOfDarkPhotograph);
+    EXPECT_NEAR(value_of(metrics, "texture.inner_step"), 0.0, kHalfLevelOfDarkPhotograph);
+}
+
+TEST(TextureMetrics, MeasureNoStepBetweenPlanesOfWhatNoKeyframeSees)
+{
+    PaintedScan scan(two_gray_sheets(0, 0, TexelSource::Photograph).planes, gray);
+    scan.add_view(looking_at({1.0, 2.5, 0.5}, {1.0, 0.0, 0.5})); // from behind
+    const Metrics metrics = figures_of(scan, two_gray_sheets(100, 160, TexelSource::Photograph));
+    EXPECT_FALSE(has(metrics, "texture.border_step"));
+}
+
+TEST(TextureMetrics, TakeNoDetailAtABorderForAStepThatTheBakingAdded)
+{
+    const Vector3d x = Vector3d::UnitX(), y = Vector3d::UnitY(), z = Vector3d::UnitZ();
+    PaintedScan scan(testing_support::join_sheets({{Vector3d::Zero(), x, z, 2}, {x, -y, z, 2}}), [](const Vector3d& p) {
+        return Vector3d::Constant(128.0 + 100.0 * std::sin(12.0 * (p.x() - 2.0 * p.y() + p.z())));
+    });
+    scan.add_view(looking_at({0.2, -1.2, 0.5}, {0.9, -0.1, 0.5}));
+    scan.add_view(looking_at({0.3, -1.0, 0.6}, {0.9, -0.1, 0.5}));
+    const Metrics metrics = figures_of(scan);
+    EXPECT_GT(value_of(metrics, "texture.border_contrast"), 4.0);
+    EXPECT_LT(value_of(metrics, "texture.border_step"), 1.0);
 }
 
 } // namespace
