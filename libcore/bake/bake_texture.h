@@ -45,6 +45,7 @@ struct BakeTextureParams {
     double label_smoothness = 0.5;
     double band_width = 0.02;
     double detail_quality = 0.9;
+    double residual_shift = 2.0;
     double dense_radius = 0.05;
     double seam_width = 0.1;
     double seam_step = 25.0;
@@ -107,6 +108,9 @@ struct BakeTextureParams {
                   "views of a tile whose quality and consistency are at least this share of the best one's lend "
                   "detail too, which lowers noise; 1 = the best one only",
                   0.0, 1.0},
+            Param{"residual_shift", &P::residual_shift, "texel",
+                  "farthest that a view is shifted on a part of a chart so that its detail meets the mean of the views",
+                  0.0, 16.0},
             Param{"dense_radius", &P::dense_radius, "m",
                   "farthest vertex of the dense mesh that colours an unseen texel", 0.001, 1.0},
             Param{"seam_width", &P::seam_width, "m",

@@ -2,6 +2,7 @@
 
 #include "bake/last_views.h"
 #include "bake/low_band.h"
+#include "bake/residual_shifts.h"
 #include "bake/tiles.h"
 #include "base/parallel.h"
 #include "base/progress.h"
@@ -120,9 +121,10 @@ public:
         : band_(std::move(band)), first_(first), scale_(1.0f / static_cast<float>(stride))
     {
     }
-    Eigen::Vector3f at(int x, int y) const
+    Eigen::Vector3f at(const Eigen::Vector2f& texel) const
     {
-        return band_.at(static_cast<float>(x - first_.x()) * scale_, static_cast<float>(y - first_.y()) * scale_);
+        const Eigen::Vector2f place = (texel - first_.cast<float>()) * scale_;
+        return band_.at(place.x(), place.y());
     }
 
 private:
@@ -131,8 +133,25 @@ private:
     float scale_;
 };
 
+std::uint8_t luma(const WeightedColor& point)
+{
+    if (point.weight <= 0.0f) return 0;
+    const float value = Eigen::Vector3f(0.299f, 0.587f, 0.114f).dot(point.color());
+    return static_cast<std::uint8_t>(std::clamp(value + 0.5f, 1.0f, 255.0f));
+}
+
+// Of a part of a lattice.
+LumaLattice luma(const Image<WeightedColor>& lattice, const Eigen::Vector2i& first, const Eigen::Vector2i& size)
+{
+    LumaLattice result(size.x(), size.y());
+    for (int y = 0; y < size.y(); ++y)
+        for (int x = 0; x < size.x(); ++x)
+            result.at(x, y) = luma(lattice.at(first.x() + x, first.y() + y));
+    return result;
+}
+
 // The sums over views of one chart: those of all views on a lattice of every kStride-th texel, for they give coarse
-// colours only, those of the best views at every texel.
+// colours only, and then those of the best views at every texel.
 class ChartBlend {
 public:
     ChartBlend(const PlaneMesh& planes, const TexelChart& texels, const ChartTiles& tiles,
@@ -145,13 +164,22 @@ public:
         if (params.blend != Blend::Mean) best_ = Image<WeightedColor>(texels.width(), texels.height());
     }
 
-    void add(const TextureView& view, std::uint32_t keyframe);
+    // All views one after the other, keyframes ascending, and then once more.
+    void add_coarse(const TextureView& view, std::uint32_t keyframe);
+    void add_detail(const TextureView& view, std::uint32_t keyframe);
     ChartColors finish() const;
 
 private:
     struct Lattice { // a part of the chart's
         Eigen::Vector2i first_tile;
         Image<WeightedColor> color;
+    };
+    // What a view that lends detail has shown on the lattice.
+    struct CoarseView {
+        std::uint32_t keyframe = 0;
+        Eigen::Vector2i first_tile = Eigen::Vector2i::Zero();
+        LumaLattice luma;
+        std::optional<ShiftedBand> low; // two-band only
     };
     int on_lattice(int texels) const { return (texels + stride_ - 1) / stride_; }
     Eigen::Vector2i end_of(const Eigen::Vector2i& tile) const // [texel]
@@ -161,18 +189,20 @@ private:
     Lattice sample(const TextureView& view, const TileWeights& weights);
     void sample_tile(const TextureView& view, const TileWeights& weights, const Eigen::Vector2i& tile,
                      Lattice& lattice);
-    void add_detail(const TextureView& view, const TileWeights& weights, const Lattice& lattice);
+    CoarseView coarse_view(std::uint32_t keyframe, const Lattice& lattice) const;
+    ResidualShifts shifts(const CoarseView& coarse) const;
     void add_detail(const TextureView& view, const TileWeights& weights, const Eigen::Vector2i& tile,
-                    const std::optional<ShiftedBand>& low);
+                    const CoarseView& coarse, const ResidualShifts& shifts);
 
     const TexelChart* texels_;
     const ChartTiles* tiles_;
     const BakeTextureParams* params_;
     TexelPositions positions_;
-    int stride_;                // of the lattice [texel]
-    int cell_;                  // [lattice step]
-    Image<WeightedColor> mean_; // of the lattice
-    Image<WeightedColor> best_; // whole colours (best-view) or those above the low band (two-band)
+    int stride_;                     // of the lattice [texel]
+    int cell_;                       // [lattice step]
+    Image<WeightedColor> mean_;      // of the lattice
+    Image<WeightedColor> best_;      // whole colours (best-view) or those above the low band (two-band)
+    std::vector<CoarseView> coarse_; // keyframes ascending
     LastViews last_views_;
 };
 
@@ -217,18 +247,24 @@ ChartBlend::Lattice ChartBlend::sample(const TextureView& view, const TileWeight
     return lattice;
 }
 
-void ChartBlend::add_detail(const TextureView& view, const TileWeights& weights, const Lattice& lattice)
+ChartBlend::CoarseView ChartBlend::coarse_view(std::uint32_t keyframe, const Lattice& lattice) const
 {
-    std::optional<ShiftedBand> low;
-    if (params_->blend == Blend::TwoBand)
-        low.emplace(LowBand(lattice.color, cell_), lattice.first_tile * kTileSize, stride_);
-    for (int row = 0; row < tiles_->rows; ++row)
-        for (int column = 0; column < tiles_->columns; ++column)
-            if (weights.gives_detail(column, row)) add_detail(view, weights, Eigen::Vector2i(column, row), low);
+    const auto& [first_tile, color] = lattice;
+    CoarseView result{keyframe, first_tile, luma(color, Eigen::Vector2i::Zero(), {color.width, color.height}), {}};
+    if (params_->blend == Blend::TwoBand) result.low.emplace(LowBand(color, cell_), first_tile * kTileSize, stride_);
+    return result;
+}
+
+ResidualShifts ChartBlend::shifts(const CoarseView& coarse) const
+{
+    if (params_->residual_shift == 0.0) return {};
+    const auto& [keyframe, first_tile, view, low] = coarse;
+    return {view, luma(mean_, first_tile * kTileSize / stride_, {view.width, view.height}), stride_,
+            params_->residual_shift};
 }
 
 void ChartBlend::add_detail(const TextureView& view, const TileWeights& weights, const Eigen::Vector2i& tile,
-                            const std::optional<ShiftedBand>& low)
+                            const CoarseView& coarse, const ResidualShifts& shifts)
 {
     const Eigen::Vector2i begin = tile * kTileSize, end = end_of(tile);
     for (int y = begin.y(); y < end.y(); ++y) {
@@ -238,24 +274,38 @@ void ChartBlend::add_detail(const TextureView& view, const TileWeights& weights,
             ++first;
         while (first < last && weight[static_cast<std::size_t>(last - 1 - begin.x())] <= 0.0f)
             --last;
-        const RowAims aims(view, *texels_, positions_, {{first, y}, last - first}, Margins::Safe);
+        const TexelRow row = shifts.shifted({{first, y}, last - first}, tile - coarse.first_tile);
+        const RowAims aims(view, *texels_, positions_, row, Margins::Safe);
         for (int x = first; x < last; ++x) {
             const auto sighting = view.see(aims[x], Margins::Safe);
             if (!sighting) continue;
             Eigen::Vector3f color = view.common_color(*sighting, view.detail_color(*sighting, texels_->chart.density));
-            if (low) color -= low->at(x, y);
+            if (coarse.low) color -= coarse.low->at(row.place(x));
             best_.at(x, y).add(color, weight[static_cast<std::size_t>(x - begin.x())]);
         }
     }
 }
 
-void ChartBlend::add(const TextureView& view, std::uint32_t keyframe)
+void ChartBlend::add_coarse(const TextureView& view, std::uint32_t keyframe)
 {
     last_views_.add(view, keyframe, positions_);
     const TileWeights weights(*tiles_, keyframe, params_->detail_quality);
     if (!weights.any_view()) return;
     const Lattice lattice = sample(view, weights);
-    if (!best_.empty() && weights.any_detail()) add_detail(view, weights, lattice);
+    if (!best_.empty() && weights.any_detail()) coarse_.push_back(coarse_view(keyframe, lattice));
+}
+
+void ChartBlend::add_detail(const TextureView& view, std::uint32_t keyframe)
+{
+    const auto coarse = std::ranges::lower_bound(coarse_, keyframe, {}, &CoarseView::keyframe);
+    if (coarse == coarse_.end() || coarse->keyframe != keyframe) return;
+    const TileWeights weights(*tiles_, keyframe, params_->detail_quality);
+    const ResidualShifts residual = shifts(*coarse);
+    for (int row = 0; row < tiles_->rows; ++row)
+        for (int column = 0; column < tiles_->columns; ++column)
+            if (weights.gives_detail(column, row)) add_detail(view, weights, {column, row}, *coarse, residual);
+    coarse->luma = {}; // done with
+    coarse->low.reset();
 }
 
 ChartColors ChartBlend::finish() const
@@ -269,7 +319,7 @@ ChartColors ChartBlend::finish() const
             if (texels_->face.at(x, y) == kNoFace) continue;
             if (!best_.empty() && best_.at(x, y).weight > 0.0f) {
                 result.color.at(x, y) = best_.at(x, y).color();
-                if (low) result.color.at(x, y) += low->at(x, y);
+                if (low) result.color.at(x, y) += low->at(Eigen::Vector2i(x, y).cast<float>());
             } else if (const WeightedColor mean = between(mean_, stride_, x, y);
                        mean.weight == (x % stride_ ? 2.0f : 1.0f) * (y % stride_ ? 2.0f : 1.0f)) {
                 // Where the labelled view misses a texel, the mean of the others stands in.
@@ -294,12 +344,16 @@ std::vector<ChartColors> blend_views(const Atlas& atlas, const BakeInput& input,
     parallel_for(order.size(), [&](std::size_t i) {
         blend[order[i]].emplace(input.planes, atlas.chart[order[i]], tiles[order[i]], params);
     });
-    batches.for_each("gathering colours", [&](const Batch& batch) {
-        parallel_for(order.size(), [&](std::size_t i) {
-            for (std::size_t b = 0; b < batch.view.size(); ++b)
-                blend[order[i]]->add(*batch.view[b], static_cast<std::uint32_t>(batch.first + b));
+    const auto gather = [&](const std::string& part, void (ChartBlend::*add)(const TextureView&, std::uint32_t)) {
+        batches.for_each(part, [&](const Batch& batch) {
+            parallel_for(order.size(), [&](std::size_t i) {
+                for (std::size_t b = 0; b < batch.view.size(); ++b)
+                    (*blend[order[i]].*add)(*batch.view[b], static_cast<std::uint32_t>(batch.first + b));
+            });
         });
-    });
+    };
+    gather("gathering coarse colours", &ChartBlend::add_coarse);
+    if (params.blend != Blend::Mean) gather("gathering detail", &ChartBlend::add_detail);
     std::vector<ChartColors> colors(atlas.chart.size());
     parallel_for(order.size(), [&](std::size_t i) {
         colors[order[i]] = blend[order[i]]->finish();

@@ -195,8 +195,11 @@ RowAims::RowAims(const TextureView& view, const TexelChart& texels, const TexelP
         for (; end < last && texels.face.at(end, y) == face; end += row.stride)
             ++count;
         if (face == kNoFace) continue;
-        const Eigen::Vector3d p_world = positions.world(face, begin, y);
-        const PointRow points{p_world, positions.world(face, begin + row.stride, y) - p_world, positions.normal(face)};
+        const auto p_world = [&](int x) {
+            const Eigen::Vector2f at = row.place(x);
+            return positions.world(face, at.x(), at.y());
+        };
+        const PointRow points{p_world(begin), p_world(begin + row.stride) - p_world(begin), positions.normal(face)};
         view.aim(points, margins, {&aim_[static_cast<std::size_t>((begin - row.first.x()) / row.stride)], count});
     }
 }

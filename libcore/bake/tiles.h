@@ -61,10 +61,18 @@ private:
     double radius_ = 0.0;
 };
 
-// Every `stride`-th of `count` texels, at most those of a tile.
+// Every `stride`-th of `count` texels, at most those of a tile; looked at `shift` beside the first one and
+// `shift_step` further beside each next texel [texel].
 struct TexelRow {
     Eigen::Vector2i first;
     int count = kTileSize, stride = 1;
+    Eigen::Vector2f shift = Eigen::Vector2f::Zero(), shift_step = Eigen::Vector2f::Zero();
+
+    Eigen::Vector2f place(int texel_x) const
+    {
+        const int steps = texel_x - first.x();
+        return Eigen::Vector2i(texel_x, first.y()).cast<float>() + shift + static_cast<float>(steps) * shift_step;
+    }
 };
 
 // A view's aims at a row of texels; outside the chart it sees nothing.

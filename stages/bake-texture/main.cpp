@@ -12,7 +12,7 @@ int main(int argc, char** argv)
     const Stage stage{
         .name = "bake-texture",
         .summary = "lays every plane flat on an atlas and gives it its final colours",
-        .impl_version = 8,
+        .impl_version = 9,
         .inputs = {{"scan", "frames and cameras"},
                    {"keyframes", "the frames that colours come from"},
                    {"plane_mesh", "the planes to texture"},
