@@ -140,13 +140,18 @@ std::uint8_t luma(const WeightedColor& point)
     return static_cast<std::uint8_t>(std::clamp(value + 0.5f, 1.0f, 255.0f));
 }
 
-// Of a part of a lattice.
-LumaLattice luma(const Image<WeightedColor>& lattice, const Eigen::Vector2i& first, const Eigen::Vector2i& size)
+LumaLattice luma(const Image<WeightedColor>& lattice)
+{
+    LumaLattice result(lattice.width, lattice.height);
+    std::ranges::transform(lattice.pixels, result.pixels.begin(), [](const auto& point) { return luma(point); });
+    return result;
+}
+
+LumaLattice part_of(const LumaLattice& lattice, const Eigen::Vector2i& first, const Eigen::Vector2i& size)
 {
     LumaLattice result(size.x(), size.y());
     for (int y = 0; y < size.y(); ++y)
-        for (int x = 0; x < size.x(); ++x)
-            result.at(x, y) = luma(lattice.at(first.x() + x, first.y() + y));
+        std::copy_n(lattice.row(first.y() + y) + first.x(), size.x(), result.row(y));
     return result;
 }
 
@@ -201,6 +206,7 @@ private:
     int stride_;                     // of the lattice [texel]
     int cell_;                       // [lattice step]
     Image<WeightedColor> mean_;      // of the lattice
+    LumaLattice mean_luma_;          // once the mean is known
     Image<WeightedColor> best_;      // whole colours (best-view) or those above the low band (two-band)
     std::vector<CoarseView> coarse_; // keyframes ascending
     LastViews last_views_;
@@ -250,7 +256,7 @@ ChartBlend::Lattice ChartBlend::sample(const TextureView& view, const TileWeight
 ChartBlend::CoarseView ChartBlend::coarse_view(std::uint32_t keyframe, const Lattice& lattice) const
 {
     const auto& [first_tile, color] = lattice;
-    CoarseView result{keyframe, first_tile, luma(color, Eigen::Vector2i::Zero(), {color.width, color.height}), {}};
+    CoarseView result{keyframe, first_tile, luma(color), {}};
     if (params_->blend == Blend::TwoBand) result.low.emplace(LowBand(color, cell_), first_tile * kTileSize, stride_);
     return result;
 }
@@ -259,7 +265,7 @@ ResidualShifts ChartBlend::shifts(const CoarseView& coarse) const
 {
     if (params_->residual_shift == 0.0) return {};
     const auto& [keyframe, first_tile, view, low] = coarse;
-    return {view, luma(mean_, first_tile * kTileSize / stride_, {view.width, view.height}), stride_,
+    return {view, part_of(mean_luma_, first_tile * kTileSize / stride_, {view.width, view.height}), stride_,
             params_->residual_shift};
 }
 
@@ -300,6 +306,7 @@ void ChartBlend::add_detail(const TextureView& view, std::uint32_t keyframe)
     const auto coarse = std::ranges::lower_bound(coarse_, keyframe, {}, &CoarseView::keyframe);
     if (coarse == coarse_.end() || coarse->keyframe != keyframe) return;
     const TileWeights weights(*tiles_, keyframe, params_->detail_quality);
+    if (mean_luma_.empty()) mean_luma_ = luma(mean_); // the mean of all views by now
     const ResidualShifts residual = shifts(*coarse);
     for (int row = 0; row < tiles_->rows; ++row)
         for (int column = 0; column < tiles_->columns; ++column)
