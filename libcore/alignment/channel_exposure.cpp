@@ -31,7 +31,7 @@ void sample_frame(Channels& channels, const ChannelSource& source, const Alignme
 
 void set_channel_exposures(Alignment& alignment, const ChannelSource& source, const AlignmentState& state)
 {
-    const Observations observations = observe(source.scene, state, source.texels, 0);
+    const Observations& observations = source.observations;
     Channels channels;
     for (auto& channel : channels)
         channel.resize(observations.size());

@@ -10,6 +10,7 @@ struct ChannelSource {
     const Keyframes& keyframes;
     const ImageReader& read; // colours are read once more: keeping them all would take most of the memory
     const Texels& texels;
+    const Observations& observations; // of the final poses and planes
 };
 
 // Sets the vignetting, and gain and bias of every keyframe and colour channel, at the final poses and planes.

@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numeric>
+#include <span>
 
 namespace quoin {
 namespace {
@@ -77,6 +79,20 @@ std::vector<DepthSample> sample_frame(const AlignmentScene& scene, const Alignme
     return samples;
 }
 
+// Of the visible texels of every frame, those that two frames or more see.
+Observations shared(const std::vector<std::vector<TexelId>>& visible, std::size_t texels)
+{
+    std::vector<std::uint32_t> views(texels, 0);
+    for (const auto& frame : visible)
+        for (const TexelId t : frame)
+            ++views[t];
+    std::vector<std::uint8_t> is_shared(texels);
+    std::ranges::transform(views, is_shared.begin(), [](std::uint32_t n) { return n >= 2; });
+    std::vector<TexelId> same(texels);
+    std::iota(same.begin(), same.end(), 0u);
+    return listed(visible, is_shared, same);
+}
+
 } // namespace
 
 Observations observe(const AlignmentScene& scene, const AlignmentState& state, const Texels& texels, int level)
@@ -85,15 +101,7 @@ Observations observe(const AlignmentScene& scene, const AlignmentState& state, c
     const TexelLanes lanes = texel_lanes(texels);
     parallel_for(visible.size(),
                  [&](std::size_t k) { visible[k] = visible_texels(scene, state, k, level, texels, lanes); });
-    std::vector<std::uint32_t> views(texels.size(), 0);
-    for (const auto& frame : visible)
-        for (const TexelId t : frame)
-            ++views[t];
-    std::vector<std::uint8_t> shared(texels.size());
-    std::ranges::transform(views, shared.begin(), [](std::uint32_t n) { return n >= 2; });
-    std::vector<TexelId> same(texels.size());
-    std::iota(same.begin(), same.end(), 0u);
-    return listed(visible, shared, same);
+    return shared(visible, texels.size());
 }
 
 void DepthSamples::add(std::uint32_t frame, std::vector<DepthSample> samples)
@@ -119,6 +127,19 @@ DepthSamples sample_depths(const AlignmentScene& scene, const AlignmentState& st
     for (std::uint32_t k = 0; k < samples.size(); ++k)
         result.add(k, std::move(samples[k]));
     return result;
+}
+
+Observations in_both(const Observations& a, const Observations& b)
+{
+    const auto of_frame = [](const Observations& list, std::size_t k) {
+        return std::span(list.texel)
+            .subspan(list.first_of_frame[k], list.first_of_frame[k + 1] - list.first_of_frame[k]);
+    };
+    std::vector<std::vector<TexelId>> visible(a.first_of_frame.size() - 1);
+    parallel_for(visible.size(), [&](std::size_t k) {
+        std::ranges::set_intersection(of_frame(a, k), of_frame(b, k), std::back_inserter(visible[k]));
+    });
+    return shared(visible, a.first_of_texel.size() - 1);
 }
 
 Observations kept(const Observations& observations, const std::vector<std::uint8_t>& keep)

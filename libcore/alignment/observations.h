@@ -50,6 +50,9 @@ Observations observe(const AlignmentScene& scene, const AlignmentState& state, c
 // Every depth_stride-th depth that agrees with the rendered mesh.
 DepthSamples sample_depths(const AlignmentScene& scene, const AlignmentState& state);
 
+// What is in both lists, of the same texels; of texels that two frames or more still see.
+Observations in_both(const Observations& a, const Observations& b);
+
 // Observations of the texels that `keep` marks, renumbered as kept() renumbers the texels.
 Observations kept(const Observations& observations, const std::vector<std::uint8_t>& keep);
 

@@ -2,7 +2,9 @@
 
 #include "alignment/channel_exposure.h"
 #include "alignment/gauge.h"
+#include "alignment/held_out.h"
 #include "alignment/problem.h"
+#include "alignment/selection.h"
 #include "alignment/solver.h"
 #include "alignment/vignetting.h"
 #include "base/error.h"
@@ -101,7 +103,7 @@ AlignmentState minimize_by_schedule(ProblemSource& source, AlignmentState state,
         minimize_by_better_camera(trial, state);
         source.color_camera_is_free = trial.color_camera_is_free;
     }
-    const auto problem = make_problem(source, state, 0, level_spacing(params, 0), TexelChoice::All);
+    const auto problem = make_problem(source, state, 0, level_spacing(params, 0), TexelChoice::Fitted);
     return minimize_alternating(problem, std::move(state), on_iteration);
 }
 
@@ -206,6 +208,50 @@ void warn_of_blind_frames(const AlignmentProblem& reference)
                                 reference.scene.frames()));
 }
 
+void warn_of_missing_texture(const AlignmentProblem& reference, const AlignmentState& start)
+{
+    const OptimizeTextureParams& params = reference.scene.params;
+    const Textured textured = textured_texels(reference.scene, start, reference.texels, reference.observations);
+    log_debug(fmt::format("{} of {} texels show a gradient", textured.textured, textured.seen));
+    if (reference.scene.frames() < 2 || !params.optimize_poses || !textured.is_at_most(params.min_texture)) return;
+    log_warning(
+        fmt::format("next to no texture to align by: of {} points that two photographs see, neither black nor "
+                    "white, {} have a gradient of {} a pixel or more (min_gradient), where {} % are wanted "
+                    "(min_texture). Poses stay as {}. Check exposure and focus of the photographs; bare walls "
+                    "show no more",
+                    textured.seen, textured.textured, params.min_gradient, 100.0 * params.min_texture,
+                    params.lambda_d > 0.0 ? "the depth has them" : "they are: lambda_d 0 leaves the depth out"));
+}
+
+// The optimised state or, where that is worse, the input; what its frames see.
+struct Choice {
+    AlignmentState state;
+    Observations seen;
+    std::optional<HeldOutScores> scores;
+    bool is_input = false;
+};
+
+// Worse: by the energy, or by the texels that the solver did not see.
+Choice better_of(const AlignmentProblem& reference, AlignmentState input, AlignmentState optimized, bool energy_fell)
+{
+    if (!energy_fell) {
+        log_warning("the alignment did not lower the energy; poses and planes stay as they were");
+        return {std::move(input), reference.observations, {}, true};
+    }
+    Observations seen = observe(reference.scene, optimized, reference.texels, reference.level);
+    const auto scores = judge(reference.scene, reference.texels, {input, reference.observations}, {optimized, seen});
+    if (!scores) return {std::move(optimized), std::move(seen), {}};
+    log_info(fmt::format("views of held-out texels differ by {:.2f} -> {:.2f} grey levels", scores->input,
+                         scores->optimized));
+    if (!scores->is_input_kept) return {std::move(optimized), std::move(seen), scores};
+    log_warning(fmt::format(
+        "poses, planes and colour camera stay as they were: after the optimisation the views of texels that it did not "
+        "see differ by {:.2f} grey levels, before by {:.2f}. Check that photographs and depths belong together (times, "
+        "calibration, place), and the weights lambda_p, lambda_t and lambda_d",
+        scores->optimized, scores->input));
+    return {std::move(input), reference.observations, scores, true};
+}
+
 void report(const AlignmentState& input, const AlignmentState& state, const std::vector<std::vector<double>>& rows)
 {
     log_info(fmt::format("mean colour cost {:.4f} -> {:.4f}, mean depth cost {:.4f} -> {:.4f}", rows.front()[1],
@@ -234,6 +280,16 @@ Alignment to_alignment(const AlignmentState& state, std::vector<std::vector<doub
     return alignment;
 }
 
+// Bit by bit, which a state is not.
+void set_input_geometry(Alignment& alignment, const AlignmentInput& input)
+{
+    for (std::size_t k = 0; k < input.keyframes.frame.size(); ++k)
+        alignment.camera_from_world[k] = input.scan.frames[input.keyframes.frame[k]].camera_from_world;
+    alignment.plane = input.mesh.plane;
+    alignment.color = input.scan.color;
+    alignment.depth_from_color = input.scan.depth_from_color;
+}
+
 } // namespace
 
 Alignment optimize_texture(const AlignmentInput& input, const OptimizeTextureParams& requested)
@@ -248,6 +304,7 @@ Alignment optimize_texture(const AlignmentInput& input, const OptimizeTexturePar
     if (params.optimize_exposure && params.optimize_vignetting) take_out_vignetting(scene, reference, start);
     source.lambda_p = reference.lambda_p = plane_weight(reference, start);
     warn_of_blind_frames(reference);
+    warn_of_missing_texture(reference, start);
 
     std::vector<std::vector<double>> rows{mean_energies(reference, start)};
     const auto record = [&](const AlignmentState& state) { rows.push_back(mean_energies(reference, state)); };
@@ -255,15 +312,14 @@ Alignment optimize_texture(const AlignmentInput& input, const OptimizeTexturePar
     AlignmentState state = in_frame_of_mesh(reference, start, minimize(source, start, record));
     state = without_strays(reference, start, without_stray_normals(reference, start, std::move(state)));
     record(state);
-    if (!(rows.back()[0] <= rows.front()[0])) {
-        log_warning("the alignment did not lower the energy; poses and planes stay as they were");
-        state = start;
-        record(state);
-    }
-    report(start, state, rows);
-    Alignment alignment = to_alignment(state, std::move(rows));
+    const Choice best = better_of(reference, start, std::move(state), rows.back()[0] <= rows.front()[0]);
+    if (best.is_input) record(best.state);
+    report(start, best.state, rows);
+    Alignment alignment = to_alignment(best.state, std::move(rows));
+    alignment.held_out = best.scores;
+    if (best.is_input) set_input_geometry(alignment, input);
     if (params.optimize_exposure)
-        set_channel_exposures(alignment, {scene, input.keyframes, input.read, reference.texels}, state);
+        set_channel_exposures(alignment, {scene, input.keyframes, input.read, reference.texels, best.seen}, best.state);
     return alignment;
 }
 

@@ -51,6 +51,9 @@ struct OptimizeTextureParams {
     double min_gradient = 0.01;
     int bucket = 16;
     double smoothing = 0.7;
+    double held_out = 0.1;
+    double certainty = 2.0;
+    double min_texture = 0.02;
 
     int visibility_rounds = 2;
     int iterations = 8;
@@ -134,6 +137,17 @@ struct OptimizeTextureParams {
                   1.0},
             Param{"bucket", &P::bucket, "", "the best texels are chosen in squares of so many texels", 1, 10000},
             Param{"smoothing", &P::smoothing, "px", "sigma of the Gaussian laid over every level", 0.0, 10.0},
+            Param{"held_out", &P::held_out, "",
+                  "part of the texels that the solver does not see: its result is judged by them; 0 = no judgement",
+                  0.0, 0.9},
+            Param{
+                "certainty", &P::certainty, "",
+                "the input is kept if the views of held-out texels differ more after than before, by so many standard "
+                "errors",
+                0.0, 1e9},
+            Param{"min_texture", &P::min_texture, "",
+                  "part of the texels with a gradient of min_gradient below which the scan has no texture to align by",
+                  0.0, 1.0},
             Param{"visibility_rounds", &P::visibility_rounds, "", "how often a level looks anew who sees what (joint)",
                   1, 100},
             Param{"iterations", &P::iterations, "", "largest number of joint steps per round", 1, 1000},

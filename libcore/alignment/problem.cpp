@@ -1,5 +1,6 @@
 #include "alignment/problem.h"
 
+#include "alignment/held_out.h"
 #include "alignment/selection.h"
 
 #include <algorithm>
@@ -53,6 +54,14 @@ std::vector<std::uint8_t> free_planes(const AlignmentProblem& problem)
     return is_free;
 }
 
+Texels fitted(const Texels& texels, const OptimizeTextureParams& params)
+{
+    auto keep = held_out_texels(texels, params);
+    for (std::uint8_t& k : keep)
+        k = k == 0;
+    return kept(texels, keep);
+}
+
 } // namespace
 
 AlignmentState input_state(const Scan& scan, const Keyframes& keyframes, const PlaneMesh& mesh)
@@ -93,6 +102,7 @@ AlignmentProblem make_problem(const ProblemSource& source, const AlignmentState&
         {},    {}};
     problem.scatter = scene.params.plane_term == PlaneTermKind::Moments ? scatters_of_moments(scene.mesh, spacing)
                                                                         : scatters_of_texels(problem.texels);
+    if (choice != TexelChoice::All) problem.texels = fitted(problem.texels, scene.params);
     problem.observations = observe(scene, state, problem.texels, level);
     if (choice == TexelChoice::Selected) {
         const auto keep = select_texels(scene, state, problem.texels, problem.observations, level);

@@ -5,8 +5,8 @@
 
 namespace quoin {
 
-// Texels: every one, or those with the largest gradients.
-enum class TexelChoice { All, Selected };
+// Texels: every one, those that are not held out, or of these the ones with the largest gradients.
+enum class TexelChoice { All, Fitted, Selected };
 
 struct ProblemSource {
     const AlignmentScene& scene;

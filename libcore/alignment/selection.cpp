@@ -68,4 +68,17 @@ std::vector<std::uint8_t> select_texels(const AlignmentScene& scene, const Align
     return keep;
 }
 
+Textured textured_texels(const AlignmentScene& scene, const AlignmentState& state, const Texels& texels,
+                         const Observations& observations)
+{
+    const std::vector<float> gradient = mean_gradients(scene, state, texels, observations, 0);
+    Textured result;
+    for (TexelId t = 0; t < texels.size(); ++t) {
+        if (observations.views(t) < 2) continue;
+        ++result.seen;
+        if (gradient[t] >= scene.params.min_gradient) ++result.textured;
+    }
+    return result;
+}
+
 } // namespace quoin

@@ -6,10 +6,18 @@
 #include "scan/vignetting.h"
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <vector>
 
 namespace quoin {
+
+// How far the views of texels that the solver did not see are from one colour: robust RMS [grey levels of 255], each
+// with the exposures that fit it best.
+struct HeldOutScores {
+    double input = 0.0, optimized = 0.0;
+    bool is_input_kept = false; // the alignment is the input, which is better
+};
 
 // What optimize-texture finds: poses of the keyframes, planes, exposures and, when asked for, the calibration.
 struct Alignment {
@@ -23,6 +31,7 @@ struct Alignment {
     Rigid depth_from_color = Rigid::Identity();
     std::vector<std::string> energy_name;    // columns of `energy`: "color", "plane", "line", ...
     std::vector<std::vector<double>> energy; // one row per round: mean robust cost of each term
+    std::optional<HeldOutScores> held_out;   // where the result could be judged
 
     Rigid color_from_world(std::size_t keyframe) const
     {

@@ -21,6 +21,11 @@ Artifact to_artifact(const Alignment& alignment)
         energy.insert(energy.end(), row.begin(), row.end());
     artifact.add<double>("energy", {alignment.energy.size(), alignment.energy_name.size()}, energy);
     artifact.add_text("energy.name", joined_lines(alignment.energy_name));
+    if (alignment.held_out) {
+        const HeldOutScores& scores = *alignment.held_out;
+        artifact.add<double>("held_out.score", {2}, std::vector{scores.input, scores.optimized});
+        artifact.add<std::uint8_t>("held_out.is_input_kept", {1}, std::vector<std::uint8_t>{scores.is_input_kept});
+    }
     return artifact;
 }
 
@@ -46,6 +51,11 @@ Alignment read_alignment(const std::filesystem::path& path)
     const auto* values = reinterpret_cast<const double*>(energy.bytes.data());
     for (std::size_t i = 0; i < energy.shape[0]; ++i, values += energy.shape[1])
         alignment.energy.emplace_back(values, values + energy.shape[1]);
+    if (reader.has("held_out.score")) {
+        const auto score = reader.array<double, double>("held_out.score", {2});
+        const auto is_kept = reader.array<std::uint8_t, std::uint8_t>("held_out.is_input_kept", {1});
+        alignment.held_out = {score[0], score[1], is_kept[0] != 0};
+    }
     return alignment;
 }
 

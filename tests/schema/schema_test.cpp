@@ -62,6 +62,21 @@ TEST(Schema, VignettingIsWrittenWhereThereIsSome)
     EXPECT_EQ(read_alignment(folder / "a").vignetting.k, alignment.vignetting.k);
 }
 
+TEST(Schema, ScoresOfHeldOutTexelsAreWrittenWhereThereAreSome)
+{
+    const TemporaryFolder folder;
+    Alignment alignment = sample_alignment();
+    write_artifact(folder / "a", to_artifact(alignment));
+    EXPECT_FALSE(read_alignment(folder / "a").held_out);
+    alignment.held_out = {4.5, 6.25, true};
+    write_artifact(folder / "b", to_artifact(alignment));
+    const auto scores = read_alignment(folder / "b").held_out;
+    ASSERT_TRUE(scores);
+    EXPECT_EQ(scores->input, 4.5);
+    EXPECT_EQ(scores->optimized, 6.25);
+    EXPECT_TRUE(scores->is_input_kept);
+}
+
 // The files of version 1 as the first release wrote them. To add a version, run with QUOIN_WRITE_GOLDEN=1 and commit
 // the new file.
 TEST(Schema, GoldenFilesAreReadAndWrittenByteForByte)

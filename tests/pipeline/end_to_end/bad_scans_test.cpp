@@ -95,7 +95,10 @@ ColorImage in_squares(const ColorImage& image, int side)
 TEST_F(BadScans, WithoutAnyTextureGiveAModel)
 {
     change_colors([](const ColorImage& image) { return ColorImage(image.width, image.height, {225, 225, 225}); });
-    expect_model(run());
+    const CommandResult result = run();
+    expect_model(result);
+    EXPECT_THAT(result.output, HasSubstr("next to no texture to align by"));
+    EXPECT_THAT(result.output, HasSubstr("Poses stay as the depth has them"));
 }
 
 TEST_F(BadScans, OfSaturatedPhotographsGiveAModel)
