@@ -25,6 +25,11 @@ Json summary_of(const ReportParts& parts)
     if (parts.dense) summary["dense_faces"] = parts.dense->face.size();
     if (parts.scan) summary["frames"] = parts.scan->frames.size();
     if (parts.keyframes) summary["keyframes"] = parts.keyframes->frame.size();
+    if (parts.alignment && parts.alignment->held_out) {
+        const HeldOutScores& scores = *parts.alignment->held_out;
+        summary["held_out"] = {
+            {"input", scores.input}, {"optimized", scores.optimized}, {"is_input_kept", scores.is_input_kept}};
+    }
     return summary;
 }
 

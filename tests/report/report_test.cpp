@@ -86,6 +86,7 @@ struct Example {
         alignment.color = scan.color;
         alignment.energy_name = {"color", "line"};
         alignment.energy = {{3.0, 0.5}, {2.0, 0.25}, {1.5, 0.2}};
+        alignment.held_out = {6.25, 7.5, true};
         LineMatch line;
         line.segment = {20.0f, 30.0f, 400.0f, 50.0f};
         line.planes = {0, 1};
@@ -186,6 +187,15 @@ TEST(Report, KeepsTextOfTheScanOutOfTheMarkup)
                             HasSubstr("room \\u003c/script>"), Not(HasSubstr("{{"))));
     EXPECT_EQ(report_digest(page), "12ab");
     EXPECT_EQ(report_digest("<html>"), "");
+}
+
+TEST(Report, SaysThatTheAlignmentKeptItsInput)
+{
+    Example example;
+    EXPECT_THAT(make_report(example.parts),
+                HasSubstr(R"("held_out":{"input":6.25,"optimized":7.5,"is_input_kept":true})"));
+    example.alignment.held_out.reset();
+    EXPECT_THAT(make_report(example.parts), Not(HasSubstr(R"("held_out":{)")));
 }
 
 TEST(Report, NamesNoOtherPlace)

@@ -187,6 +187,10 @@ function show_facts() {
     if (photographed) add_fact(`${(100 * photographed.value).toFixed(1)} %`, 'of the surface coloured by photographs');
     const views = metric('views.model.psnr');
     if (views) add_fact(`${views.value.toFixed(1)} dB`, 'PSNR of views held out');
+    if (s.held_out) {
+        const kept = s.held_out.is_input_kept ? '; worse, so the poses stay as they were' : '';
+        add_fact(`${s.held_out.input.toFixed(1)} → ${s.held_out.optimized.toFixed(1)}`, `grey levels between photographs, by the alignment${kept}`);
+    }
     if (report.stages.length) add_fact(seconds_text(report.stages.reduce((sum, t) => sum + t.seconds, 0)), 'to compute');
     if (report.model_file) facts.push(`<div class="fact"><a href="${escape_html(report.model_file)}">${escape_html(report.model_file.split('/').pop())}</a><br><span>for other programs</span></div>`);
     by_id('facts').innerHTML = facts.join('');
