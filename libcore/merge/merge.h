@@ -30,8 +30,8 @@ struct MergeParams {
     bool regularize = true;
     double regular_angle = 1.0;
     double regular_depth = 0.005;
-    double regular_sigmas = 2.0;
-    double regular_reach = 40.0;
+    double regular_sigmas = 3.0;
+    double regular_reach = 45.0;
     double regular_area = 0.5;
     double regular_open = 5.0;
     double regular_move = 0.002;

@@ -10,7 +10,7 @@ int main(int argc, char** argv)
         .name = "merge",
         .summary = "joins neighbouring clusters that lie in one plane, absorbs bumps and tiny clusters, and "
                    "straightens narrow steps",
-        .impl_version = 6,
+        .impl_version = 7,
         .inputs = {{"plane_mesh", "clusters of the dense mesh"}},
         .outputs = {{"plane_mesh", "the same faces in fewer planes"}},
         .resources = {.memory = "bytes(plane_mesh) * 4 + 200M"},
