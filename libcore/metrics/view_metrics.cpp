@@ -75,6 +75,28 @@ Mask covered_pixels(const RenderedView& view, const TargetView& target, double t
     return mask;
 }
 
+// Pixels of the photograph that a measured depth falls on or beside; all where none was measured.
+Mask measured_pixels(const TargetView& target)
+{
+    if (target.depth.empty()) return Mask(target.color.width, target.color.height, 1);
+    Mask mask(target.color.width, target.color.height, 0);
+    const Rigid color_from_depth = target.depth_from_color.inverse();
+    for (int y = 0; y < target.depth.height; ++y)
+        for (int x = 0; x < target.depth.width; ++x) {
+            const double z = target.depth.at(x, y);
+            if (z <= 0.0) continue;
+            const Vector3d p = color_from_depth * Vector3d(target.depth_camera.ray(Vector2d(x, y)) * z);
+            if (p.z() <= 0.0) continue;
+            const Vector2d at = target.color_camera.project(p);
+            if (!target.color_camera.contains(at)) continue;
+            const int left = static_cast<int>(std::floor(at.x())), top = static_cast<int>(std::floor(at.y()));
+            for (int v = std::max(top, 0); v <= std::min(top + 1, mask.height - 1); ++v)
+                for (int u = std::max(left, 0); u <= std::min(left + 1, mask.width - 1); ++u)
+                    mask.at(u, v) = 1;
+        }
+    return mask;
+}
+
 // Loses the light that the lens loses towards the corners: of all models, as the alignment of one has found it.
 void darken(ColorImage& image, const Vignetting& vignetting)
 {
@@ -100,20 +122,20 @@ ColorImage blackened(ColorImage image, const Mask& mask)
     return image;
 }
 
-ViewScore score_view(const RenderedView& view, const ColorImage& photo, const Mask& covered, const Mask& common)
+// charged: where the model is to show something.
+ViewScore score_view(const RenderedView& view, const ColorImage& photo, const Mask& covered, const Mask& common,
+                     const Mask& charged)
 {
     const ColorImage fitted = apply_color(fit_affine_color(view.color, photo, common), view.color);
-    const ColorImage charged =
-        blackened(apply_color(fit_affine_color(view.color, photo, covered), view.color), covered);
-    const Mask everything(photo.width, photo.height, 1);
+    const ColorImage shown = blackened(apply_color(fit_affine_color(view.color, photo, covered), view.color), covered);
     ViewScore score;
     score.coverage = share(covered);
     score.psnr_raw = psnr(view.color, photo, common);
     score.psnr = psnr(fitted, photo, common);
-    score.psnr_charged = psnr(charged, photo, everything);
+    score.psnr_charged = psnr(shown, photo, charged);
     score.ssim_raw = ssim(view.color, photo, common);
     score.ssim = ssim(fitted, photo, common);
-    score.ssim_charged = ssim(charged, photo, everything);
+    score.ssim_charged = ssim(shown, photo, charged);
     score.sharpness = gradient_ratio(fitted, photo, common);
     return score;
 }
@@ -139,9 +161,12 @@ std::vector<ViewScore> score_frame(const Evaluated& inputs, const std::vector<Na
         for (std::size_t i = 0; i < common.pixels.size(); ++i)
             common.pixels[i] = common.pixels[i] && covered.back().pixels[i];
     }
+    Mask charged = measured_pixels(target);
+    for (std::size_t i = 0; i < charged.pixels.size(); ++i)
+        charged.pixels[i] = charged.pixels[i] || common.pixels[i];
     std::vector<ViewScore> scores;
     for (std::size_t m = 0; m < models.size(); ++m) {
-        scores.push_back(score_view(views[m], target.color, covered[m], common));
+        scores.push_back(score_view(views[m], target.color, covered[m], common, charged));
         scores.back().shift = shift[m];
     }
     return scores;
