@@ -99,8 +99,7 @@ Observations observe(const AlignmentScene& scene, const AlignmentState& state, c
 {
     std::vector<std::vector<TexelId>> visible(scene.frames());
     const TexelLanes lanes = texel_lanes(texels);
-    parallel_for(visible.size(),
-                 [&](std::size_t k) { visible[k] = visible_texels(scene, state, k, level, texels, lanes); });
+    parallel_for(visible.size(), [&](std::size_t k) { visible[k] = visible_texels(scene, state, k, level, lanes); });
     return shared(visible, texels.size());
 }
 

@@ -150,6 +150,13 @@ struct PlaneSight {
         return known & bits(in_sight & is_nearest_in_rendering(p_color) &
                             agrees_with_depth(depth_from_color * p_color) & is_not_saturated(pixel));
     }
+    // Those of the points from `begin` to `end`.
+    void add_visible(const TexelLanes& points, TexelId begin, TexelId end, std::vector<TexelId>& visible) const
+    {
+        for (TexelId first = begin; first < end; first += kFloats)
+            for (unsigned seen = sees(points, first, end - first); seen != 0; seen &= seen - 1)
+                visible.push_back(first + static_cast<TexelId>(std::countr_zero(seen)));
+    }
 };
 
 } // namespace
@@ -157,6 +164,7 @@ struct PlaneSight {
 TexelLanes texel_lanes(const Texels& texels)
 {
     TexelLanes lanes;
+    lanes.first_of_plane = texels.first_of_plane;
     for (auto* values : {&lanes.x, &lanes.y, &lanes.z})
         values->reserve(texels.size());
     for (const Eigen::Vector3f& p : texels.p_world) {
@@ -168,7 +176,7 @@ TexelLanes texel_lanes(const Texels& texels)
 }
 
 std::vector<TexelId> visible_texels(const AlignmentScene& scene, const AlignmentState& state, std::size_t k, int level,
-                                    const Texels& texels, const TexelLanes& lanes)
+                                    const TexelLanes& texels)
 {
     const FrameSight sight = look(scene, state, k, level);
     std::vector<TexelId> visible;
@@ -176,10 +184,7 @@ std::vector<TexelId> visible_texels(const AlignmentScene& scene, const Alignment
         if (!sight.has_plane[p]) continue;
         const PlaneSight plane(sight, state, k, p);
         if (plane.distance < 0.0f) continue;
-        const TexelId end = texels.first_of_plane[p + 1];
-        for (TexelId first = texels.first_of_plane[p]; first < end; first += kFloats)
-            for (unsigned seen = plane.sees(lanes, first, end - first); seen != 0; seen &= seen - 1)
-                visible.push_back(first + static_cast<TexelId>(std::countr_zero(seen)));
+        plane.add_visible(texels, texels.first_of_plane[p], texels.first_of_plane[p + 1], visible);
     }
     return visible;
 }
