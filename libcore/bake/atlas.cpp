@@ -1,5 +1,6 @@
 #include "bake/atlas.h"
 
+#include "bake/packing.h"
 #include "bake/triangle_raster.h"
 #include "base/parallel.h"
 
@@ -137,14 +138,6 @@ double texels_of_faces(const PlaneMesh& planes, const std::vector<Chart>& charts
     return texels;
 }
 
-double texels_of_pages(const Atlas& atlas)
-{
-    double texels = 0.0;
-    for (const auto& page : atlas.page)
-        texels += static_cast<double>(page.width) * page.height;
-    return texels;
-}
-
 } // namespace
 
 Atlas lay_out_atlas(const PlaneMesh& planes, std::vector<Chart> charts, const AtlasOptions& options)
@@ -157,7 +150,7 @@ Atlas lay_out_atlas(const PlaneMesh& planes, std::vector<Chart> charts, const At
     if (const double texels = texels_of_faces(planes, charts); texels > options.max_texels) lower_densities(texels);
     for (int round = 0;; ++round) {
         Atlas atlas = lay_out(planes, charts, options);
-        const double texels = texels_of_pages(atlas);
+        const double texels = area_of(atlas.page);
         if (texels <= options.max_texels || round == kRounds) return atlas;
         lower_densities(texels);
     }

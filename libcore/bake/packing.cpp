@@ -162,25 +162,25 @@ Packing pack_on_width(const std::vector<BitMask>& masks, int width, int max_side
     return packing;
 }
 
-double page_area(const Packing& packing)
+} // namespace
+
+double area_of(const std::vector<PageSize>& pages)
 {
     double area = 0.0;
-    for (const auto& page : packing.page)
+    for (const auto& page : pages)
         area += static_cast<double>(page.width) * page.height;
     return area;
 }
-
-} // namespace
 
 Packing pack_masks(const std::vector<BitMask>& masks, int max_side, int multiple)
 {
     const double area = total_area(masks);
     int width = page_width(masks, area, max_side, multiple);
     Packing best = pack_on_width(masks, width, max_side, multiple);
-    for (int i = 1; i < kWidths && width < max_side && area < kGoodUse * page_area(best); ++i) {
+    for (int i = 1; i < kWidths && width < max_side && area < kGoodUse * area_of(best.page); ++i) {
         width = std::min(max_side, round_up(static_cast<int>(std::ceil(kWider * width)), multiple));
         Packing packing = pack_on_width(masks, width, max_side, multiple);
-        if (page_area(packing) < page_area(best)) best = std::move(packing);
+        if (area_of(packing.page) < area_of(best.page)) best = std::move(packing);
     }
     return best;
 }

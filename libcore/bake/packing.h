@@ -23,6 +23,9 @@ struct Packing {
     std::vector<PageSize> page;
 };
 
+// Of all pages together [px].
+double area_of(const std::vector<PageSize>& pages);
+
 // Packs all masks so that no two share a cell: the largest first, each as high up as it gets by any of its four turns,
 // and near there where it touches the most of what is there already. So small ones fill the holes and bays of large
 // ones. Some widths are tried and the fullest page taken. One page that is nearly square when max_side allows it, else

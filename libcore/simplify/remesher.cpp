@@ -19,7 +19,7 @@ constexpr std::array<float, 6> kTolerances{1.0f, 0.4f, 0.15f, 0.05f, 0.0f, 4.0f}
 constexpr std::uint8_t kReleased = 3;
 constexpr std::size_t kPlaneGrain = 8; // [planes]
 
-// What a curve that is fixed lies at: settled zones, or faces of the dense mesh.
+// Of curves that do not move: what they lie at, settled zones or faces of the dense mesh.
 constexpr std::uint8_t kSettled = 1, kDense = 2;
 
 } // namespace

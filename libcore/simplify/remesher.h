@@ -58,7 +58,7 @@ private:
     const SimplifyParams& params_;
     Flags flat_; // one a zone: to be filled
     Curves curves_;
-    Flags fixed_; // one a curve: faces of rough or of settled zones are at it
+    Flags fixed_; // one a curve: 0, or what holds it: settled zones or, before them, rough ones
     Flags held_;  // one a vertex: settled zones have it
     Edges settled_edges_;
     Flags filled_;                          // one a curve: borders of holes that vanish

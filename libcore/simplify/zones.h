@@ -55,9 +55,9 @@ public:
         PlaneId zone = 0;
         std::vector<Eigen::Vector3d> knot; // where its border crosses or contradicts itself [m]; none: in other ways
     };
-    // Cuts the faces around the knots out of their zones, farther around with every failure of a zone. Zones without
-    // knots, or that little would be left of, or that have failed many times become rough. What is left of these zones,
-    // and those that touch what became rough, are pending now.
+    // Cuts the faces around the knots out of their zones, farther around where an earlier cut was not enough. Zones
+    // without knots, or that little would be left of, or that have failed many times become rough. What is left of
+    // these zones, and those that touch what became rough, are pending now.
     void cut(const std::vector<Failure>& failures, const SimplifyParams& params);
 
     // Puts the faces of a mesh with these zones into their planes again.

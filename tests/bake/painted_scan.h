@@ -55,6 +55,13 @@ public:
         add_view(camera_from_world, photograph(camera_from_world, 1.0, 0.0), depth_from(other_from_world), 1.0, 0.0);
     }
 
+    // A frame that is no keyframe, for views to be measured by.
+    void hold_out(const Rigid& camera_from_world)
+    {
+        add_frame(camera_from_world, photograph(camera_from_world, 1.0, 0.0), depth_from(camera_from_world));
+        scan_.frames.back().use = FrameUse::HeldOut;
+    }
+
     ScanImages images() const { return {scan_, folder_.path()}; }
     const PlaneMesh& planes() const { return planes_; }
     const Keyframes& keyframes() const { return keyframes_; }
@@ -91,18 +98,24 @@ private:
     void add_view(const Rigid& camera_from_world, const ColorImage& color, const Image<std::uint16_t>& depth,
                   double gain, double bias)
     {
-        const auto id = static_cast<FrameId>(scan_.frames.size());
-        Frame frame;
-        frame.camera_from_world = camera_from_world;
-        frame.color = save("color" + std::to_string(id) + ".png", encode_png(color));
-        frame.depth = save("depth" + std::to_string(id) + ".png", encode_png(depth));
-        scan_.frames.push_back(frame);
+        const FrameId id = add_frame(camera_from_world, color, depth);
         keyframes_.frame.push_back(id);
         keyframes_.blur.push_back(0.2f);
         keyframes_.reason.push_back(Dropped::Kept);
         alignment_.camera_from_world.push_back(camera_from_world);
         alignment_.gain.push_back(Eigen::Vector3f::Constant(static_cast<float>(gain)));
         alignment_.bias.push_back(Eigen::Vector3f::Constant(static_cast<float>(bias)));
+    }
+
+    FrameId add_frame(const Rigid& camera_from_world, const ColorImage& color, const Image<std::uint16_t>& depth)
+    {
+        const auto id = static_cast<FrameId>(scan_.frames.size());
+        Frame frame;
+        frame.camera_from_world = camera_from_world;
+        frame.color = save("color" + std::to_string(id) + ".png", encode_png(color));
+        frame.depth = save("depth" + std::to_string(id) + ".png", encode_png(depth));
+        scan_.frames.push_back(frame);
+        return id;
     }
 
     ScanFile save(const std::string& name, const std::vector<std::byte>& bytes)

@@ -39,6 +39,29 @@ TEST(SampleColor, AtACentreIsThePixel)
     EXPECT_EQ(sample_color(image, 1.0, 1.0), Eigen::Vector3f(10, 20, 30));
 }
 
+TEST(SampleColorCubic, GoesThroughThePixelsAndKeepsAConstant)
+{
+    ColorImage image(6, 6);
+    for (std::size_t i = 0; i < image.pixels.size(); ++i)
+        image.pixels[i] = {static_cast<std::uint8_t>(5 * i), 70, 200};
+    for (const double x : {0.0, 2.0, 5.0}) // the border, too
+        EXPECT_LT((sample_color_cubic(image, x, 3.0) - sample_color(image, x, 3.0)).norm(), 1e-3);
+    const Eigen::Vector3f between = sample_color_cubic(image, 2.3, 2.8);
+    EXPECT_NEAR(between[1], 70.0f, 1e-3);
+    EXPECT_NEAR(between[2], 200.0f, 1e-3);
+}
+
+TEST(SampleColorCubic, IsSteeperAcrossAnEdgeThanAMeanOfTwo)
+{
+    ColorImage image(8, 4);
+    for (int y = 0; y < 4; ++y)
+        for (int x = 4; x < 8; ++x)
+            image.at(x, y) = {200, 200, 200};
+    const auto rise = [&](const auto& sample) { return sample(image, 3.75, 1.0)[0] - sample(image, 3.25, 1.0)[0]; };
+    EXPECT_NEAR(rise(sample_color), 0.5 * 200, 1e-3);
+    EXPECT_NEAR(rise(sample_color_cubic), 0.546875 * 200, 1e-3); // Keys's kernel with a = -0.75
+}
+
 TEST(HalfSize, OfARampIsTheRampAtTheMiddles)
 {
     EXPECT_NEAR(half_size(ramp(8, 6)).at(1, 2), 0.01 * 2.5 + 0.02 * 4.5, 1e-6);
