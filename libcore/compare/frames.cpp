@@ -69,13 +69,13 @@ Lines compare_alignments(const fs::path& first, const fs::path& second)
 Lines compare_scans(const fs::path& first, const fs::path& second)
 {
     const Scan a = read_scan(first), b = read_scan(second);
-    std::map<std::string, const Frame*> by_name; // frames are the same when their colour images are
+    std::map<std::string, const Frame*> by_name; // frames are the same when their images are called the same
     for (const auto& frame : b.frames)
-        by_name.emplace(frame.color.name, &frame);
+        by_name.emplace(frame.name(), &frame);
     std::vector<std::pair<Rigid, Rigid>> pairs;
     std::size_t common = 0, contents = 0, uses = 0;
     for (const auto& frame : a.frames) {
-        const auto other = by_name.find(frame.color.name);
+        const auto other = by_name.find(frame.name());
         if (other == by_name.end()) continue;
         ++common;
         const Frame& twin = *other->second;

@@ -20,7 +20,7 @@ Dropped unusable(const Frame& frame, const KeyframeParams& params)
 {
     if (frame.use == FrameUse::Invalid) return Dropped::InvalidPose;
     if (frame.use == FrameUse::HeldOut) return Dropped::HeldOut;
-    const bool has_images = !frame.color.name.empty() && !(params.require_depth && frame.depth.name.empty());
+    const bool has_images = frame.has_color() && (frame.has_depth() || !params.require_depth);
     return has_images ? Dropped::Kept : Dropped::NoImage;
 }
 

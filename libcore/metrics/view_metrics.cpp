@@ -25,15 +25,15 @@ struct NamedModel {
 
 // What one view says of one model.
 struct ViewScore {
-    double coverage = 0, psnr_raw = 0, psnr = 0, psnr_charged = 0, ssim_raw = 0, ssim = 0, ssim_charged = 0,
-           sharpness = 0, shift = 0;
+    double coverage = 0, psnr_raw = 0, psnr = 0, psnr_charged = 0, psnr_shown = 0, ssim_raw = 0, ssim = 0,
+           ssim_charged = 0, sharpness = 0, shift = 0;
 };
 
 std::vector<FrameId> chosen_views(const Scan& scan, int most)
 {
     std::vector<FrameId> held_out;
     for (const FrameId id : scan.frames_held_out())
-        if (!scan.frames[id].color.name.empty()) held_out.push_back(id);
+        if (scan.frames[id].has_color()) held_out.push_back(id);
     if (most == 0 || held_out.size() <= static_cast<std::size_t>(most)) return held_out;
     std::vector<FrameId> chosen;
     for (int i = 0; i < most; ++i)
@@ -52,6 +52,14 @@ TargetView load_target(const Evaluated& inputs, FrameId id)
     target.depth_camera = scan.depth;
     target.depth_from_color = inputs.alignment ? inputs.alignment->depth_from_color : scan.depth_from_color;
     return target;
+}
+
+Mask drawn_pixels(const RenderedView& view)
+{
+    Mask mask(view.depth.width, view.depth.height);
+    for (std::size_t i = 0; i < mask.pixels.size(); ++i)
+        mask.pixels[i] = view.depth.pixels[i] > 0.0f;
+    return mask;
 }
 
 // Pixels that show the model, not far from the measured depth where there is some.
@@ -75,10 +83,9 @@ Mask covered_pixels(const RenderedView& view, const TargetView& target, double t
     return mask;
 }
 
-// Pixels of the photograph that a measured depth falls on or beside; all where none was measured.
+// Pixels of the photograph that a measured depth falls on or beside.
 Mask measured_pixels(const TargetView& target)
 {
-    if (target.depth.empty()) return Mask(target.color.width, target.color.height, 1);
     Mask mask(target.color.width, target.color.height, 0);
     const Rigid color_from_depth = target.depth_from_color.inverse();
     for (int y = 0; y < target.depth.height; ++y)
@@ -109,6 +116,25 @@ void darken(ColorImage& image, const Vignetting& vignetting)
         }
 }
 
+void add(Mask& mask, const Mask& other)
+{
+    for (std::size_t i = 0; i < mask.pixels.size(); ++i)
+        mask.pixels[i] = mask.pixels[i] || other.pixels[i];
+}
+
+// Where models are to show something: where a depth was measured, and where all of them do; in a view without depth,
+// where any of them does.
+Mask charged_pixels(const TargetView& target, const std::vector<Mask>& covered, const Mask& common)
+{
+    Mask mask = common;
+    if (!target.depth.empty())
+        add(mask, measured_pixels(target));
+    else
+        for (const Mask& of_model : covered)
+            add(mask, of_model);
+    return mask;
+}
+
 double share(const Mask& mask)
 {
     return static_cast<double>(std::count(mask.pixels.begin(), mask.pixels.end(), 1)) /
@@ -122,20 +148,23 @@ ColorImage blackened(ColorImage image, const Mask& mask)
     return image;
 }
 
-// charged: where the model is to show something.
+// charged: where the model is to show something. psnr_charged is of black where it shows nothing or what is not there,
+// psnr_shown of what a viewer sees: black where it shows nothing.
 ViewScore score_view(const RenderedView& view, const ColorImage& photo, const Mask& covered, const Mask& common,
                      const Mask& charged)
 {
     const ColorImage fitted = apply_color(fit_affine_color(view.color, photo, common), view.color);
-    const ColorImage shown = blackened(apply_color(fit_affine_color(view.color, photo, covered), view.color), covered);
+    const ColorImage own = apply_color(fit_affine_color(view.color, photo, covered), view.color);
+    const ColorImage covering = blackened(own, covered);
     ViewScore score;
     score.coverage = share(covered);
     score.psnr_raw = psnr(view.color, photo, common);
     score.psnr = psnr(fitted, photo, common);
-    score.psnr_charged = psnr(shown, photo, charged);
+    score.psnr_charged = psnr(covering, photo, charged);
+    score.psnr_shown = psnr(blackened(own, drawn_pixels(view)), photo, charged);
     score.ssim_raw = ssim(view.color, photo, common);
     score.ssim = ssim(fitted, photo, common);
-    score.ssim_charged = ssim(shown, photo, charged);
+    score.ssim_charged = ssim(covering, photo, charged);
     score.sharpness = gradient_ratio(fitted, photo, common);
     return score;
 }
@@ -161,9 +190,7 @@ std::vector<ViewScore> score_frame(const Evaluated& inputs, const std::vector<Na
         for (std::size_t i = 0; i < common.pixels.size(); ++i)
             common.pixels[i] = common.pixels[i] && covered.back().pixels[i];
     }
-    Mask charged = measured_pixels(target);
-    for (std::size_t i = 0; i < charged.pixels.size(); ++i)
-        charged.pixels[i] = charged.pixels[i] || common.pixels[i];
+    const Mask charged = charged_pixels(target, covered, common);
     std::vector<ViewScore> scores;
     for (std::size_t m = 0; m < models.size(); ++m) {
         scores.push_back(score_view(views[m], target.color, covered[m], common, charged));
@@ -218,6 +245,7 @@ void add_view_metrics(MetricList& list, const Evaluated& inputs, const EvaluateP
         list.higher(name + ".psnr", "dB", mean_of(scores, m, &ViewScore::psnr));
         list.higher(name + ".psnr_raw", "dB", mean_of(scores, m, &ViewScore::psnr_raw));
         list.higher(name + ".psnr_charged", "dB", mean_of(scores, m, &ViewScore::psnr_charged));
+        list.higher(name + ".psnr_shown", "dB", mean_of(scores, m, &ViewScore::psnr_shown));
         list.higher(name + ".ssim", "", mean_of(scores, m, &ViewScore::ssim));
         list.higher(name + ".ssim_raw", "", mean_of(scores, m, &ViewScore::ssim_raw));
         list.higher(name + ".ssim_charged", "", mean_of(scores, m, &ViewScore::ssim_charged));

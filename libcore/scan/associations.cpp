@@ -40,10 +40,12 @@ std::vector<ListedFrame> read_associations(const fs::path& folder, AbsentFiles& 
                 fmt::format("{}: a line has {} words; expected 'time file time file'", path.string(), row.size()));
         const std::size_t color = row[1].find("depth") == std::string::npos ? 0 : 2; // where its time and name begin
         const std::size_t depth = 2 - color;
-        if (!is_present(folder, row[color + 1], absent)) continue;
-        frames.push_back({.color = row[color + 1],
-                          .depth = is_present(folder, row[depth + 1], absent) ? row[depth + 1] : "",
-                          .time = time_in(row[color], path)});
+        const bool has_color = is_present(folder, row[color + 1], absent);
+        const bool has_depth = is_present(folder, row[depth + 1], absent);
+        if (!has_color && !has_depth) continue;
+        frames.push_back({.color = has_color ? row[color + 1] : "",
+                          .depth = has_depth ? row[depth + 1] : "",
+                          .time = time_in(row[has_color ? color : depth], path)});
     }
     std::ranges::stable_sort(frames, {}, &ListedFrame::time);
     return frames;
@@ -55,9 +57,15 @@ std::vector<ListedFrame> associate_lists(const fs::path& folder, double max_time
     const std::vector<TimedFile> depths = read_list(folder, "depth.txt", absent);
     const auto partner = associate(colors, depths, max_time_gap);
     std::vector<ListedFrame> frames;
-    for (std::size_t i = 0; i < colors.size(); ++i)
+    std::vector<bool> has_color(depths.size(), false);
+    for (std::size_t i = 0; i < colors.size(); ++i) {
         frames.push_back(
             {.color = colors[i].name, .depth = partner[i] ? depths[*partner[i]].name : "", .time = colors[i].time});
+        if (partner[i]) has_color[*partner[i]] = true;
+    }
+    for (std::size_t i = 0; i < depths.size(); ++i)
+        if (!has_color[i]) frames.push_back({.color = "", .depth = depths[i].name, .time = depths[i].time});
+    std::ranges::stable_sort(frames, {}, &ListedFrame::time);
     return frames;
 }
 

@@ -19,7 +19,7 @@ constexpr std::array kCommonUnits{1.0 / 1000.0, 1.0 / 5000.0, 1.0 / 4000.0, 1.0 
 std::vector<FrameId> frames_to_compare(const Scan& scan)
 {
     std::vector<FrameId> ids = scan.frames_in_use();
-    std::erase_if(ids, [&](FrameId id) { return scan.frames[id].depth.name.empty(); });
+    std::erase_if(ids, [&](FrameId id) { return !scan.frames[id].has_depth(); });
     return ids;
 }
 

@@ -21,6 +21,22 @@ namespace {
     throw InputError(path.string() + ": " + message);
 }
 
+// Every n-th frame up to the largest number; frames of depth alone are counted on their own and add to them.
+std::vector<ListedFrame> chosen_frames(std::vector<ListedFrame> frames, const ImportParams& params)
+{
+    const auto step = static_cast<std::size_t>(params.frame_step), most = static_cast<std::size_t>(params.max_frames);
+    std::vector<ListedFrame> chosen;
+    std::size_t with_color = 0, depth_alone = 0, taken = 0;
+    for (ListedFrame& frame : frames) {
+        const bool has_color = !frame.color.empty();
+        std::size_t& count = has_color ? with_color : depth_alone;
+        if (count++ % step != 0) continue;
+        if (has_color && most > 0 && taken++ == most) break;
+        chosen.push_back(std::move(frame));
+    }
+    return chosen;
+}
+
 Listing list_frames(const LayoutReader& reader, const fs::path& folder, const ImportParams& params)
 {
     Listing listing = reader.read(folder, params.max_time_gap);
@@ -28,14 +44,9 @@ Listing list_frames(const LayoutReader& reader, const fs::path& folder, const Im
         fail(folder, fmt::format("none of the {} files that its lists name is in the folder (for example {}); copy the "
                                  "images beside the lists",
                                  listing.absent.named, listing.absent.example));
-    if (listing.frames.empty())
+    if (std::ranges::all_of(listing.frames, [](const ListedFrame& frame) { return frame.color.empty(); }))
         fail(folder, fmt::format("no colour image in the folder; the {} layout needs {}", reader.title, reader.needs));
-    std::vector<ListedFrame> chosen;
-    for (std::size_t i = 0; i < listing.frames.size(); i += static_cast<std::size_t>(params.frame_step)) {
-        if (params.max_frames > 0 && chosen.size() >= static_cast<std::size_t>(params.max_frames)) break;
-        chosen.push_back(std::move(listing.frames[i]));
-    }
-    listing.frames = std::move(chosen);
+    listing.frames = chosen_frames(std::move(listing.frames), params);
     return listing;
 }
 
@@ -65,8 +76,7 @@ void check_depth(const ImageFile& file, const fs::path& path)
 }
 
 struct LookedAtFrames {
-    std::vector<ImageFile> color;
-    std::vector<ImageFile> depth; // default where there is none
+    std::vector<ImageFile> color, depth; // default where there is none
 };
 
 LookedAtFrames look_at_all(const fs::path& folder, const std::vector<ListedFrame>& frames)
@@ -74,8 +84,10 @@ LookedAtFrames look_at_all(const fs::path& folder, const std::vector<ListedFrame
     LookedAtFrames files{std::vector<ImageFile>(frames.size()), std::vector<ImageFile>(frames.size())};
     Progress progress("reading files", frames.size());
     parallel_for(frames.size(), [&](std::size_t i) {
-        files.color[i] = look_at(folder / frames[i].color);
-        check_color(files.color[i], folder / frames[i].color);
+        if (!frames[i].color.empty()) {
+            files.color[i] = look_at(folder / frames[i].color);
+            check_color(files.color[i], folder / frames[i].color);
+        }
         if (!frames[i].depth.empty()) {
             files.depth[i] = look_at(folder / frames[i].depth);
             check_depth(files.depth[i], folder / frames[i].depth);
@@ -211,7 +223,7 @@ Frame make_frame(const ListedFrame& listed, const ImageFile& color, const ImageF
 {
     Frame frame;
     frame.time = listed.time;
-    frame.color = {listed.color, color.sha256};
+    if (!listed.color.empty()) frame.color = {listed.color, color.sha256};
     if (!listed.depth.empty()) frame.depth = {listed.depth, depth.sha256};
     if (is_rigid(listed.pose))
         frame.camera_from_world = camera_from_world(listed.pose, convention);
@@ -223,7 +235,8 @@ Frame make_frame(const ListedFrame& listed, const ImageFile& color, const ImageF
 void hold_out_every(int n, Scan& scan)
 {
     if (n <= 0) return;
-    const std::vector<FrameId> ids = scan.frames_in_use();
+    std::vector<FrameId> ids = scan.frames_in_use();
+    std::erase_if(ids, [&](FrameId id) { return !scan.frames[id].has_color(); }); // there is nothing to compare with
     for (std::size_t i = static_cast<std::size_t>(n) - 1; i < ids.size(); i += static_cast<std::size_t>(n))
         scan.frames[ids[i]].use = FrameUse::HeldOut;
 }
@@ -250,8 +263,9 @@ ImportReport count_frames(const Scan& scan)
     for (const Frame& frame : scan.frames) {
         if (frame.use == FrameUse::Used) ++report.used;
         if (frame.use == FrameUse::HeldOut) ++report.held_out;
-        if (frame.use == FrameUse::Invalid && report.invalid++ == 0) report.invalid_example = frame.color.name;
-        if (frame.depth.name.empty() && report.without_depth++ == 0) report.without_depth_example = frame.color.name;
+        if (frame.use == FrameUse::Invalid && report.invalid++ == 0) report.invalid_example = frame.name();
+        if (!frame.has_depth() && report.without_depth++ == 0) report.without_depth_example = frame.name();
+        if (!frame.has_color() && report.without_color++ == 0) report.without_color_example = frame.name();
     }
     return report;
 }
@@ -304,7 +318,7 @@ ImportedScan import_scan(const fs::path& folder, const ImportParams& params)
     if (scan.frames_in_use().empty())
         fail(folder, fmt::format("none of the {} frames has a valid pose (finite and rigid; for example that of {}); "
                                  "check the poses of the {} layout",
-                                 scan.frames.size(), scan.frames.front().color.name, reader.title));
+                                 scan.frames.size(), scan.frames.front().name(), reader.title));
     hold_out_every(params.hold_out, scan);
     const std::string mesh = dense_mesh_of(folder, params.dense_mesh);
     if (!mesh.empty()) scan.dense_mesh = {mesh, sha256(read_bytes(folder / mesh))};
@@ -332,6 +346,10 @@ void log_report(const ImportReport& report)
         log_warning(fmt::format("{} frames have no depth image (where lists pair them by time: none within "
                                 "max_time_gap), for example {}",
                                 report.without_depth, report.without_depth_example));
+    if (report.without_color > 0)
+        log_warning(fmt::format("{} depth images have no colour image within max_time_gap; they have poses of their "
+                                "own and add to the surface, for example {}",
+                                report.without_color, report.without_color_example));
     if (report.check.samples > 0)
         log_info(fmt::format("depth seen from another frame differs by {:.1f} mm in the median ({:.2f} % of the depth; "
                              "{} pixels of {} pairs)",

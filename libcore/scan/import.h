@@ -102,11 +102,13 @@ struct ImportParams {
 };
 
 struct ImportReport {
-    std::string layout;            // title of the layout
-    std::string intrinsics_source; // "camera-intrinsics.txt", "published for TUM fr3"
-    std::size_t used = 0, held_out = 0, invalid = 0, without_depth = 0; // frames
-    std::string invalid_example;       // colour file of the first frame with an invalid pose
+    std::string layout;                              // title of the layout
+    std::string intrinsics_source;                   // "camera-intrinsics.txt", "published for TUM fr3"
+    std::size_t used = 0, held_out = 0, invalid = 0; // frames
+    std::size_t without_depth = 0, without_color = 0;
+    std::string invalid_example;       // file of the first frame with an invalid pose
     std::string without_depth_example; // colour file of the first frame without depth
+    std::string without_color_example; // depth file of the first frame without colour
     AbsentFiles absent;
     ScanCheck check;
     std::string suggestion; // flags that fit several times better, "--set pose=world_to_camera"; "" = none

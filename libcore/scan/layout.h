@@ -20,8 +20,8 @@ constexpr auto choice_names(Layout)
 }
 
 struct ListedFrame {
-    std::string color; // relative to the scan folder; exists
-    std::string depth; // "" = none
+    std::string color; // relative to the scan folder; exists; "" = none
+    std::string depth; // likewise; a frame has one of them at least
     Eigen::Matrix4d pose =
         Eigen::Matrix4d::Constant(std::numeric_limits<double>::quiet_NaN()); // as written; NaN = none
     double time = 0.0;                                                       // [s]

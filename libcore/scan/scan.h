@@ -31,7 +31,11 @@ struct Frame {
     FrameUse use = FrameUse::Used;
     double time = 0.0; // [s]
     ScanFile color;
-    ScanFile depth; // a frame may lack depth
+    ScanFile depth; // a frame may lack one of the two
+
+    bool has_color() const { return !color.name.empty(); }
+    bool has_depth() const { return !depth.name.empty(); }
+    const std::string& name() const { return has_color() ? color.name : depth.name; }
 };
 
 struct Scan {

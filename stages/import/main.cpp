@@ -8,7 +8,7 @@ int main(int argc, char** argv)
     const Stage stage{
         .name = "import",
         .summary = "finds the layout of a scan folder, checks it and makes a canonical table of frames",
-        .impl_version = 1,
+        .impl_version = 2,
         .inputs = {{"folder", "a scan in any known layout"}},
         .outputs = {{"scan", "frames with poses, cameras and the digest of every file"}},
     };

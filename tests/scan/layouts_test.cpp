@@ -178,13 +178,38 @@ TEST(TumLayout, DepthTooFarInTimeIsNotTaken)
     EXPECT_EQ(imported.scan.frames[2].depth.name, "depth/1.png");
 }
 
+TEST(TumLayout, DepthThatNoColourIsNearToIsAFrameOfItsOwn)
+{
+    const ScanFolder folder;
+    write_tum(folder, walk(4));
+    folder.write("rgb.txt", "1000.0 rgb/0.png\n1000.066 rgb/2.png\n");
+    ImportParams params = tiny_camera_params();
+    params.hold_out = 2;
+    const ImportedScan imported = import_scan(folder.path(), params);
+    ASSERT_EQ(imported.scan.frames.size(), 4u); // in order of time
+    EXPECT_EQ(imported.scan.frames[1].color.name, "");
+    EXPECT_EQ(imported.scan.frames[1].depth.name, "depth/1.png");
+    EXPECT_TRUE(imported.scan.frames[1].camera_from_world.isApprox(Rigid(walk(4)[1]).inverse(), 1e-6));
+    EXPECT_EQ(imported.report.without_color, 2u);
+    EXPECT_EQ(imported.report.without_color_example, "depth/1.png");
+    EXPECT_EQ(imported.scan.frames[2].use, FrameUse::HeldOut); // the second that has a colour image
+    EXPECT_EQ(imported.scan.frames_held_out().size(), 1u);
+    params.hold_out = 0;
+    params.frame_step = 2; // of frames with colour, and of those without
+    const ImportedScan every_other = import_scan(folder.path(), params);
+    ASSERT_EQ(every_other.scan.frames.size(), 2u);
+    EXPECT_EQ(every_other.scan.frames[0].name(), "rgb/0.png");
+    EXPECT_EQ(every_other.scan.frames[1].name(), "depth/1.png");
+}
+
 TEST(TumLayout, FilesThatListsNameAndTheFolderLacksAreCounted)
 {
     const ScanFolder folder;
     write_tum(folder, walk(5));
     std::filesystem::remove(folder.path() / "rgb/3.png");
     const ImportedScan imported = import_scan(folder.path(), tiny_camera_params());
-    EXPECT_EQ(imported.scan.frames.size(), 4u);
+    ASSERT_EQ(imported.scan.frames.size(), 5u);
+    EXPECT_FALSE(imported.scan.frames[3].has_color()); // its depth is there
     EXPECT_EQ(imported.report.absent.count, 1u);
     EXPECT_EQ(imported.report.absent.named, 10u);
     EXPECT_EQ(imported.report.absent.example, "rgb/3.png");
