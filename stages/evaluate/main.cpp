@@ -28,7 +28,7 @@ int main(int argc, char** argv)
     const quoin::Stage stage{
         .name = "evaluate",
         .summary = "measures a model against ground truth, dense mesh and held-out photographs",
-        .impl_version = 8,
+        .impl_version = 9,
         .inputs = {{"scan", "for held-out views and poses", true},
                    {"keyframes", "for poses", true},
                    {"mesh", "dense mesh", true},

@@ -55,6 +55,7 @@ TEST(ViewMetrics, ChargeForPixelsWithADepthThatTheModelLeavesOut)
     // Half of the wall is black where 90 and 180 are due: a mean square of (90^2 + 180^2) / 4.
     const double black = 10.0 * std::log10(255.0 * 255.0 / ((90.0 * 90.0 + 180.0 * 180.0) / 4.0));
     EXPECT_NEAR(value_of(less, "views.model.psnr_charged"), black, 0.5);
+    EXPECT_NEAR(value_of(less, "views.model.psnr_shown"), black, 0.5);
 }
 
 } // namespace
