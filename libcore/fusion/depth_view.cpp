@@ -191,8 +191,8 @@ constexpr int kStride = 2; // [px]; blocks are many pixels wide
 // From measured points to the segments around them.
 class RayCaster {
 public:
-    RayCaster(const DepthView& view, double block_size, double truncation)
-        : view_(view), truncation_(static_cast<float>(truncation)),
+    RayCaster(const DepthView& view, double block_size, const Truncation& truncation)
+        : view_(view), truncation_(truncation),
           rays_((static_cast<std::size_t>(view.camera.width) + kStride - 1) / kStride), z_(rays_), ray_x_(rays_),
           reach_(rays_)
     {
@@ -214,7 +214,7 @@ public:
             z_[i] = depth[kStride * i];
             const float ray_x = (static_cast<float>(static_cast<std::int32_t>(kStride * i)) - cx) * inverse_fx;
             ray_x_[i] = ray_x;
-            reach_[i] = truncation_ / std::sqrt(1.0f + ray_x * ray_x + ray_y * ray_y);
+            reach_[i] = truncation_.at(z_[i]) / std::sqrt(1.0f + ray_x * ray_x + ray_y * ray_y);
         }
         const Eigen::Vector3f base = blocks_from_camera_.col(1) * ray_y + blocks_from_camera_.col(2);
         for (int k = 0; k < 3; ++k)
@@ -237,7 +237,7 @@ private:
     }
 
     const DepthView& view_;
-    float truncation_;
+    Truncation truncation_;
     std::size_t rays_; // of a row
     std::vector<float> z_, ray_x_, reach_;
     Eigen::Matrix3f blocks_from_camera_;
@@ -261,7 +261,7 @@ DepthView make_view(const Scan& scan, FrameId id, const DepthImage& depth, const
     return view;
 }
 
-std::vector<BlockKey> blocks_near_surface(const DepthView& view, double block_size, double truncation)
+std::vector<BlockKey> blocks_near_surface(const DepthView& view, double block_size, const Truncation& truncation)
 {
     RayCaster caster(view, block_size, truncation);
     RaySegments segments(caster.rays());

@@ -2,6 +2,7 @@
 // pixel.
 #pragma once
 
+#include "fusion/truncation.h"
 #include "fusion/voxel_grid.h"
 #include "image/image.h"
 #include "scan/scan.h"
@@ -39,7 +40,7 @@ struct ViewParams {
 DepthView make_view(const Scan& scan, FrameId id, const DepthImage& depth, const ColorImage& color,
                     const ViewParams& params);
 
-// Keys of the blocks that the rays meet within `truncation` [m] of the measured points, ascending.
-std::vector<BlockKey> blocks_near_surface(const DepthView& view, double block_size, double truncation);
+// Keys of the blocks that the rays meet within `truncation` of the measured points, ascending.
+std::vector<BlockKey> blocks_near_surface(const DepthView& view, double block_size, const Truncation& truncation);
 
 } // namespace quoin

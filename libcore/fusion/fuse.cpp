@@ -7,6 +7,7 @@
 #include "fusion/depth_view.h"
 #include "fusion/extract.h"
 #include "fusion/integrate.h"
+#include "fusion/typical_weight.h"
 #include "fusion/voxel_grid.h"
 #include "mesh/cleanup.h"
 #include "mesh/extent.h"
@@ -24,16 +25,18 @@ namespace {
 constexpr std::size_t kBatch = 16;
 constexpr double kBytesPerGigabyte = 1e9;
 constexpr double kMinTruncationVoxels = 3.0;
+constexpr double kTruncationSigmas = 3.0; // of the depth noise
 
-double truncation_of(const FuseParams& params)
+Truncation truncation_of(const FuseParams& params)
 {
-    return std::max(params.truncation, kMinTruncationVoxels * params.voxel_size);
+    return {.least = static_cast<float>(std::max(params.truncation, kMinTruncationVoxels * params.voxel_size)),
+            .growth = static_cast<float>(kTruncationSigmas * params.depth_noise)};
 }
 
 std::vector<FrameId> frames_with_depth(const Scan& scan)
 {
     std::vector<FrameId> frames = scan.frames_in_use();
-    std::erase_if(frames, [&](FrameId id) { return scan.frames[id].depth.name.empty(); });
+    std::erase_if(frames, [&](FrameId id) { return !scan.frames[id].has_depth(); });
     if (frames.empty())
         throw ImpossibleError(fmt::format(
             "none of the {} frames of the scan is usable and has depth: there is nothing to fuse", scan.frames.size()));
@@ -43,8 +46,8 @@ std::vector<FrameId> frames_with_depth(const Scan& scan)
 // Block coordinates are bounded; a pose that far away is no pose of this room.
 void check_position(const Scan& scan, FrameId id, const FuseParams& params)
 {
-    const double reach =
-        kMaxBlockCoord * kBlockSide * params.voxel_size - 2.0 * (params.max_depth + truncation_of(params));
+    const double reach = kMaxBlockCoord * kBlockSide * params.voxel_size -
+                         2.0 * (params.max_depth + truncation_of(params).at(static_cast<float>(params.max_depth)));
     const Eigen::Vector3d eye_world = scan.frames[id].camera_from_world.inverse().translation();
     if (eye_world.cwiseAbs().maxCoeff() < reach) return;
     throw InputError(fmt::format(
@@ -57,10 +60,10 @@ DepthView load_view(const Scan& scan, const FrameSource& source, FrameId id, con
 {
     check_position(scan, id, params);
     const DepthImage depth = source.depth(id);
-    const ColorImage color = depth.empty() || scan.frames[id].color.name.empty() ? ColorImage{} : source.color(id);
+    const ColorImage color = depth.empty() || !scan.frames[id].has_color() ? ColorImage{} : source.color(id);
     return make_view(
         scan, id, depth, color,
-        {params.min_depth, params.max_depth, params.depth_edge, params.min_incidence, truncation_of(params)});
+        {params.min_depth, params.max_depth, params.depth_edge, params.min_incidence, truncation_of(params).least});
 }
 
 // Throws when `blocks` blocks are more than allowed, and says which voxel size would do: blocks grow with its inverse
@@ -112,6 +115,18 @@ VoxelGrid integrate_frames(const Scan& scan, const FrameSource& source, const st
     return grid;
 }
 
+// What a voxel must weigh to be part of the surface: min_weight, or less where the whole scan weighs little.
+double least_weight(const VoxelGrid& grid, const FuseParams& params)
+{
+    const double typical = typical_surface_weight(grid, truncation_of(params).least);
+    const double least = std::min(params.min_weight, params.min_weight_share * typical);
+    if (least < params.min_weight)
+        log_info(fmt::format("voxels at the surface weigh {:.3g}: those of {:.3g} make surface already, not of "
+                             "min_weight {} only",
+                             typical, least, params.min_weight));
+    return least;
+}
+
 Eigen::AlignedBox3f extent(const TriangleMesh& mesh)
 {
     Eigen::AlignedBox3f box;
@@ -157,7 +172,7 @@ TriangleMesh fuse_frames(const Scan& scan, const FrameSource& source, const Fuse
 {
     const auto frames = frames_with_depth(scan);
     const VoxelGrid grid = integrate_frames(scan, source, frames, params);
-    TriangleMesh mesh = extract_surface(grid, params.min_weight);
+    TriangleMesh mesh = extract_surface(grid, least_weight(grid, params));
     const auto removed =
         drop_small_components(mesh, static_cast<std::size_t>(params.min_component_faces), params.min_component_area);
     split_touching_fans(mesh);
@@ -166,8 +181,8 @@ TriangleMesh fuse_frames(const Scan& scan, const FrameSource& source, const Fuse
     warn_about_extent(extent(mesh), params.plausible_extent);
     return require_surface(std::move(mesh),
                            fmt::format("{} frames were fused; check the depth unit of the scan against min_depth {} m "
-                                       "and max_depth {} m, or lower min_weight {}",
-                                       frames.size(), params.min_depth, params.max_depth, params.min_weight));
+                                       "and max_depth {} m, or keep smaller pieces than min_component_faces {}",
+                                       frames.size(), params.min_depth, params.max_depth, params.min_component_faces));
 }
 
 TriangleMesh fuse(const ScanImages& images, const FuseParams& params)

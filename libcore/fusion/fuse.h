@@ -20,11 +20,13 @@ struct FuseParams {
     FuseSource source = FuseSource::Auto;
     double voxel_size = 0.01;
     double truncation = 0.04;
+    double depth_noise = 0.0012;
     double min_depth = 0.2;
     double max_depth = 6.0;
     double depth_edge = 0.03;
     double min_incidence = 0.15;
     double min_weight = 0.5;
+    double min_weight_share = 0.2;
     int min_component_faces = 200;
     double min_component_area = 0.01;
     double plausible_extent = 100.0;
@@ -38,6 +40,10 @@ struct FuseParams {
             Param{"voxel_size", &P::voxel_size, "m", "edge of a voxel", 0.001, 0.5},
             Param{"truncation", &P::truncation, "m",
                   "distance to the surface at which distances are cut off; at least 3 voxels", 0.003, 2.0},
+            Param{"depth_noise", &P::depth_noise, "1/m",
+                  "noise of a depth z is depth_noise z^2: distances are cut off at three times that, where it is more "
+                  "than `truncation`",
+                  0.0, 1.0},
             Param{"min_depth", &P::min_depth, "m", "nearer depths are ignored", 0.01, 10.0},
             Param{"max_depth", &P::max_depth, "m", "farther depths are ignored", 0.1, 1000.0},
             Param{"depth_edge", &P::depth_edge, "",
@@ -47,6 +53,10 @@ struct FuseParams {
             Param{"min_weight", &P::min_weight, "",
                   "voxels of less weight make no surface; one frontal observation at 1 m weighs 1, at 2 m 1/4", 0.0,
                   1000.0},
+            Param{"min_weight_share", &P::min_weight_share, "",
+                  "part of the median weight at the surface; where that is less than min_weight it counts instead, for "
+                  "scans of few or distant frames",
+                  0.0, 1000.0},
             Param{"min_component_faces", &P::min_component_faces, "", "connected pieces of fewer faces are removed",
                   0.0, 1e9},
             Param{"min_component_area", &P::min_component_area, "m^2", "connected pieces of less area are removed", 0.0,

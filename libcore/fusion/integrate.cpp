@@ -65,7 +65,7 @@ struct Projector {
 };
 
 // Can the view see the ball around a block, in front of or near a measured surface?
-bool sees(const Projector& p, const Eigen::Vector3f& center, float radius, float truncation)
+bool sees(const Projector& p, const Eigen::Vector3f& center, float radius, const Truncation& truncation)
 {
     const float near = center.z() - radius, far = center.z() + radius;
     if (far < kNear) return false;
@@ -82,10 +82,9 @@ bool sees(const Projector& p, const Eigen::Vector3f& center, float radius, float
         x1 = static_cast<int>(std::min(u1, p.width - 1.0f)) / kTile;
         y1 = static_cast<int>(std::min(v1, p.height - 1.0f)) / kTile;
     }
-    const float needed = std::max(near - truncation, 0.0f);
     for (int y = y0; y <= y1; ++y)
         for (int x = x0; x <= x1; ++x)
-            if (tiles.at(x, y) > needed) return true;
+            if (const float z = tiles.at(x, y); z > 0.0f && z + truncation.at(z) > near) return true;
     return false;
 }
 
@@ -130,20 +129,20 @@ void project(const Projector& p, const Eigen::Vector3f& start, Layer& layer)
         layer.pixel[i] = static_cast<std::uint32_t>(pixel[i]);
 }
 
-// Looks up depths; false if all lie more than `truncation` in front of their voxels. Distances along the ray are not
+// Looks up depths; false if all lie more than the truncation in front of their voxels. Distances along the ray are not
 // shorter, so that layers of which the view says nothing need no square roots.
-bool look_up(const DepthView& view, float truncation, Layer& layer)
+bool look_up(const DepthView& view, const Truncation& truncation, Layer& layer)
 {
     for (std::size_t i = 0; i < kLayer; ++i)
         layer.depth[i] = view.depth[layer.pixel[i]];
     std::int32_t near = 0;
     for (std::size_t i = 0; i < kLayer; ++i)
-        near += ((layer.depth[i] > 0.0f) & (layer.depth[i] - layer.z[i] > -truncation)) ? 1 : 0;
+        near += ((layer.depth[i] > 0.0f) & (layer.depth[i] - layer.z[i] > -truncation.at(layer.depth[i]))) ? 1 : 0;
     return near > 0;
 }
 
 // Signed distances; false if the view says nothing about any voxel of the layer.
-bool measure(float truncation, Layer& layer)
+bool measure(const Truncation& truncation, Layer& layer)
 {
     std::int32_t known = 0;
     for (std::size_t i = 0; i < kLayer; ++i) {
@@ -151,37 +150,36 @@ bool measure(float truncation, Layer& layer)
                     stretch = std::sqrt(layer.aside[i] + z * z) * (1.0f / z); // of the ray to unit depth
         const float s = (layer.depth[i] - z) * stretch;
         layer.distance[i] = s;
-        known += ((layer.depth[i] > 0.0f) & (s > -truncation)) ? 1 : 0;
+        known += ((layer.depth[i] > 0.0f) & (s > -truncation.at(layer.depth[i]))) ? 1 : 0;
     }
     return known > 0;
 }
 
 // Weight: cosine of incidence / d^2, on both sides of the surface alike: with less of it behind, rays that pass a cup
 // or look into it carve its wall away. Returns whether a voxel is near enough to take a colour.
-bool accumulate_distance(float truncation, Layer& layer, float* __restrict distance, float* __restrict weight)
+bool accumulate_distance(const Truncation& truncation, Layer& layer, float* __restrict distance,
+                         float* __restrict weight)
 {
-    const float scale = 1.0f / truncation;
     std::int32_t near = 0;
     for (std::size_t i = 0; i < kLayer; ++i) {
-        const float s = layer.distance[i], d = layer.depth[i];
-        const bool known = (d > 0.0f) & (s > -truncation);
+        const float s = layer.distance[i], d = layer.depth[i], reach = truncation.at(d);
+        const bool known = (d > 0.0f) & (s > -reach);
         const auto incidence = static_cast<std::int32_t>(layer.surface[i] >> 24 & ~std::uint32_t{kHasColor});
         const float cosine = static_cast<float>(incidence) * (1.0f / kIncidenceScale);
         const float w = known ? cosine / (d * d) : 0.0f;
         layer.weight[i] = w;
-        distance[i] += known ? w * std::min(1.0f, s * scale) : 0.0f; // s is not finite beside the camera
+        distance[i] += known ? w * std::min(1.0f, s / reach) : 0.0f; // s is not finite beside the camera
         weight[i] += w;
-        near += (known & (s < truncation)) ? 1 : 0;
+        near += (known & (s < reach)) ? 1 : 0;
     }
     return near > 0;
 }
 
-void accumulate_color(float truncation, const Layer& layer, Sums& sums, std::size_t at)
+void accumulate_color(const Truncation& truncation, const Layer& layer, Sums& sums, std::size_t at)
 {
-    const float scale = 1.0f / truncation;
     alignas(32) LayerOf<float> weight;
     for (std::size_t i = 0; i < kLayer; ++i) {
-        const float closeness = std::max(0.0f, 1.0f - std::abs(layer.distance[i]) * scale);
+        const float closeness = std::max(0.0f, 1.0f - std::abs(layer.distance[i]) / truncation.at(layer.depth[i]));
         const auto has_color = static_cast<float>(static_cast<std::int32_t>(layer.surface[i] >> 31));
         weight[i] = has_color * layer.weight[i] * closeness;
     }
@@ -195,7 +193,7 @@ void accumulate_color(float truncation, const Layer& layer, Sums& sums, std::siz
     }
 }
 
-void add_view(const Projector& p, const Eigen::Vector3f& origin, float truncation, Sums& sums)
+void add_view(const Projector& p, const Eigen::Vector3f& origin, const Truncation& truncation, Sums& sums)
 {
     Layer layer;
     const DepthView& view = *p.view;
@@ -212,12 +210,11 @@ void add_view(const Projector& p, const Eigen::Vector3f& origin, float truncatio
 
 } // namespace
 
-void integrate(VoxelGrid& grid, std::span<const DepthView> views, double truncation)
+void integrate(VoxelGrid& grid, std::span<const DepthView> views, const Truncation& truncation)
 {
     std::vector<Projector> projectors;
     for (const auto& view : views)
         projectors.emplace_back(view, grid.voxel_size());
-    const auto reach = static_cast<float>(truncation);
     const auto radius = static_cast<float>(0.5 * std::sqrt(3.0) * grid.block_size());
     const auto update = [&](std::size_t id) {
         VoxelBlock& block = grid.block(static_cast<BlockId>(id));
@@ -228,10 +225,10 @@ void integrate(VoxelGrid& grid, std::span<const DepthView> views, double truncat
         for (const auto& p : projectors) {
             const Eigen::Vector3f origin = (p.view->camera_from_world * origin_world).cast<float>();
             const Eigen::Vector3f center = origin + p.step * Eigen::Vector3f::Constant(0.5f * kBlockSide);
-            if (!sees(p, center, radius, reach)) continue;
+            if (!sees(p, center, radius, truncation)) continue;
             if (!seen) unpack(block, sums);
             seen = true;
-            add_view(p, origin, reach, sums);
+            add_view(p, origin, truncation, sums);
         }
         if (seen) pack(sums, block);
     };

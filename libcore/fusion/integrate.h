@@ -8,8 +8,8 @@
 namespace quoin {
 
 // Adds the views, in order, to every block they see: distances in front of the surface count as free space, those
-// behind it as inside down to `truncation` [m]. Blocks run in parallel, each through all views, so that it
+// behind it as inside down to the truncation. Blocks run in parallel, each through all views, so that it
 // stays in the cache.
-void integrate(VoxelGrid& grid, std::span<const DepthView> views, double truncation);
+void integrate(VoxelGrid& grid, std::span<const DepthView> views, const Truncation& truncation);
 
 } // namespace quoin

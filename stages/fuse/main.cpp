@@ -10,7 +10,7 @@ int main(int argc, char** argv)
         .name = "fuse",
         .summary =
             "fuses the depth images of a scan into one dense coloured mesh, or cleans up the mesh that the scan brings",
-        .impl_version = 1,
+        .impl_version = 2,
         .inputs = {{"scan", "the table of frames"}},
         .outputs = {{"mesh", "dense triangles, counter-clockwise seen from the cameras' side"}},
         .reads_images = true,

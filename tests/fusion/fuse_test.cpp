@@ -270,6 +270,48 @@ TEST(Fuse, NamesAVoxelSizeThatFitsWhenTheMemoryLimitIsHit)
     }
 }
 
+// A far wall whose depths err by 6 cm to either side, as sensors do there.
+TriangleMesh far_wall(double depth_noise)
+{
+    auto rendered = testing::scan_of(testing::plane_at_z(5.013));
+    for (int i = 0; i < 6; ++i)
+        rendered.add(look_at({0, 0, 0}, {0, 0, 5}));
+    FrameSource source = rendered.source();
+    source.depth = [depth = source.depth](FrameId id) {
+        DepthImage image = depth(id);
+        for (float& z : image.pixels)
+            if (z > 0.0f) z += id % 2 == 0 ? 0.06f : -0.06f;
+        return image;
+    };
+    auto params = coarse();
+    params.truncation = 0.04;
+    params.voxel_size = 0.02;
+    params.min_weight = 0.0;
+    params.depth_noise = depth_noise;
+    return fuse_frames(rendered.scan, source, params);
+}
+
+TEST(Fuse, MakesOneSurfaceOfFarDepthsThatDifferByTheirNoise)
+{
+    const auto one = far_wall(0.0024), layers = far_wall(0.0);
+    ASSERT_GT(one.face.size(), 1000u);
+    for (const auto& p : one.position)
+        EXPECT_NEAR(p.z(), 5.013, 0.01);
+    const auto [low, high] = std::ranges::minmax(layers.position, {}, [](const auto& p) { return p.z(); });
+    EXPECT_GT(high.z() - low.z(), 0.05f); // of which a fixed truncation makes two
+}
+
+TEST(Fuse, KeepsSurfaceOfLittleWeightWhereTheWholeScanWeighsLittle)
+{
+    auto rendered = testing::scan_of(testing::plane_at_z(2.513));
+    rendered.add(look_at({0, 0, 0}, {0, 0, 1}));
+    FuseParams params = coarse();
+    params.min_weight = 0.5; // one view from there weighs 0.16
+    EXPECT_GT(fused(rendered, params).face.size(), 500u);
+    params.min_weight_share = 1000.0;
+    EXPECT_THROW(fused(rendered, params), ImpossibleError);
+}
+
 TEST(Fuse, FailsClearlyWhereThereIsNothingToFuse)
 {
     auto rendered = wall();
