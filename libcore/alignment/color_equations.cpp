@@ -16,9 +16,8 @@ constexpr std::size_t kTexelGrain = 1024;
 struct ColorWeight {
     float huber, scale;
 
-    explicit ColorWeight(const OptimizeTextureParams& params)
-        : huber(static_cast<float>(params.huber_color)),
-          scale(static_cast<float>(1.0 / (params.sigma_color * params.sigma_color)))
+    explicit ColorWeight(const AlignmentProblem& problem)
+        : huber(static_cast<float>(problem.scene.params.huber_color)), scale(static_cast<float>(problem.weight.color))
     {
     }
     Floats operator()(const Floats& residual) const
@@ -133,7 +132,7 @@ struct Weighting {
 Weighting weigh(ColorEquations& eq, const Fit& fit)
 {
     const Observations& observations = eq.problem->observations;
-    const ColorWeight weight_of(eq.problem->scene.params);
+    const ColorWeight weight_of(*eq.problem);
     eq.weight.resize(observations.size());
     eq.mean_weight.assign(eq.problem->texels.size(), 0.0f);
     Weighting result{std::vector<float>(observations.size()), eq.mean_weight};
@@ -191,7 +190,7 @@ FrozenSums frozen_sums(const AlignmentProblem& problem, const AlignmentState& st
 {
     const FramePicture picture = frame_picture(problem.scene, state, run.frame, problem.level);
     const auto projection = picture.projection(state.plane[run.plane]);
-    const ColorWeight weight_of(problem.scene.params);
+    const ColorWeight weight_of(problem);
     const Exposure& exposure = state.exposure[run.frame];
     const auto gain = static_cast<float>(exposure.gain), bias = static_cast<float>(exposure.bias);
     FrozenSums sums;
