@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 namespace quoin {
 namespace {
@@ -16,9 +17,8 @@ constexpr std::size_t kTexelGrain = 1024;
 struct ColorWeight {
     float huber, scale;
 
-    explicit ColorWeight(const OptimizeTextureParams& params)
-        : huber(static_cast<float>(params.huber_color)),
-          scale(static_cast<float>(1.0 / (params.sigma_color * params.sigma_color)))
+    explicit ColorWeight(const AlignmentProblem& problem)
+        : huber(static_cast<float>(problem.scene.params.huber_color)), scale(static_cast<float>(problem.weight.color))
     {
     }
     Floats operator()(const Floats& residual) const
@@ -133,7 +133,7 @@ struct Weighting {
 Weighting weigh(ColorEquations& eq, const Fit& fit)
 {
     const Observations& observations = eq.problem->observations;
-    const ColorWeight weight_of(eq.problem->scene.params);
+    const ColorWeight weight_of(*eq.problem);
     eq.weight.resize(observations.size());
     eq.mean_weight.assign(eq.problem->texels.size(), 0.0f);
     Weighting result{std::vector<float>(observations.size()), eq.mean_weight};
@@ -191,7 +191,7 @@ FrozenSums frozen_sums(const AlignmentProblem& problem, const AlignmentState& st
 {
     const FramePicture picture = frame_picture(problem.scene, state, run.frame, problem.level);
     const auto projection = picture.projection(state.plane[run.plane]);
-    const ColorWeight weight_of(problem.scene.params);
+    const ColorWeight weight_of(problem);
     const Exposure& exposure = state.exposure[run.frame];
     const auto gain = static_cast<float>(exposure.gain), bias = static_cast<float>(exposure.bias);
     FrozenSums sums;
@@ -218,8 +218,7 @@ FrozenSums frozen_sums(const AlignmentProblem& problem, const AlignmentState& st
 }
 
 // The derivatives along F of a run's greys, weighted.
-void multiply(const ColorEquations& eq, const ObservationRun& run, const Eigen::Matrix3d& F,
-              std::vector<float>& weighted)
+void multiply(const ColorEquations& eq, const ObservationRun& run, const Eigen::Matrix3d& F, float* weighted)
 {
     const Eigen::Matrix<float, kFlow, 1> f = flow_vector(F).cast<float>();
     const GraySamples& samples = *eq.samples;
@@ -236,16 +235,14 @@ void multiply(const ColorEquations& eq, const ObservationRun& run, const Eigen::
 }
 
 // The sum over a run of value h r^T, with the means of the texels taken off the values.
-FlowVector centered_sum(const ColorEquations& eq, const ObservationRun& run, const std::vector<float>& weighted,
-                        const std::vector<float>& mean)
+FlowVector centered_sum(const ColorEquations& eq, const ObservationRun& run, const float* weighted, const float* mean)
 {
     FlowTerms sums{};
     const GraySamples& samples = *eq.samples;
     for (std::size_t o = run.begin; o < run.end; o += kFloats) {
         const std::size_t count = run.end - o;
         const Ints texel = load_part(&eq.problem->observations.texel[o], count);
-        const Floats value =
-            load_part(&weighted[o], count) - load_part(&eq.weight[o], count) * gather(mean.data(), texel);
+        const Floats value = load_part(&weighted[o], count) - load_part(&eq.weight[o], count) * gather(mean, texel);
         const FlowTerms terms =
             flow_terms(value * load_part(&samples.by_x[o], count), value * load_part(&samples.by_y[o], count),
                        load_part(&samples.x[o], count), load_part(&samples.y[o], count));
@@ -285,12 +282,13 @@ FrozenColors frozen_colors(const AlignmentProblem& problem, const AlignmentState
 void ColorEquations::add_product(const StepVector& x, StepVector& out) const
 {
     const Observations& observations = problem->observations;
-    std::vector<float> weighted(weight.size()), mean(mean_weight.size());
+    const auto weighted = std::make_unique_for_overwrite<float[]>(weight.size());
+    const auto mean = std::make_unique_for_overwrite<float[]>(mean_weight.size());
     parallel_for(layout.frames, [&](std::size_t k) {
         const CameraStep step = camera.step(x.segment<6>(layout.pose(k)), x.segment<9>(layout.calibration()));
         for (std::uint32_t r = problem->runs.first_of_frame[k]; r < problem->runs.first_of_frame[k + 1]; ++r) {
             const Vector3 by_plane = x.segment<3>(layout.plane(problem->runs.run[r].plane));
-            multiply(*this, problem->runs.run[r], gain[k] * flow[r].flow(step, by_plane), weighted);
+            multiply(*this, problem->runs.run[r], gain[k] * flow[r].flow(step, by_plane), weighted.get());
         }
     });
     const auto center = [&](std::size_t t) {
@@ -299,10 +297,10 @@ void ColorEquations::add_product(const StepVector& x, StepVector& out) const
             total += weighted[observations.of_texel[i]];
         mean[t] = mean_weight[t] * total;
     };
-    parallel_for(mean.size(), center, kTexelGrain);
+    parallel_for(mean_weight.size(), center, kTexelGrain);
     Gradient result(layout.frames, problem->runs.run.size());
     for_each_run(problem->runs, [&](const ObservationRun& run, std::uint32_t r) {
-        result.set(run, r, flow[r], gain[run.frame] * centered_sum(*this, run, weighted, mean));
+        result.set(run, r, flow[r], gain[run.frame] * centered_sum(*this, run, weighted.get(), mean.get()));
     });
     result.add_to(out, problem->runs, layout, camera);
 }

@@ -101,8 +101,6 @@ double add_depths(BlockEnergies& result, const AlignmentState& state, const Dept
     return weight == 0.0 ? 0.0 : add_pairs(result, depth_costs(state, samples, huber), weight);
 }
 
-double color_scale(const OptimizeTextureParams& params) { return 1.0 / (params.sigma_color * params.sigma_color); }
-
 double add_lines(BlockEnergies& result, const AlignmentProblem& problem, const AlignmentState& state)
 {
     const OptimizeTextureParams& params = problem.scene.params;
@@ -117,10 +115,9 @@ double add_lines(BlockEnergies& result, const AlignmentProblem& problem, const A
 
 double add_planes(BlockEnergies& result, const AlignmentProblem& problem, const AlignmentState& state)
 {
-    const double weight = problem.lambda_p / (problem.scene.params.sigma_plane * problem.scene.params.sigma_plane);
     double sum = 0.0;
     for (std::size_t p = 0; p < state.plane.size(); ++p) {
-        const double cost = weight * plane_block(problem.scatter[p], state.plane[p]).cost;
+        const double cost = plane_weight(problem, p) * plane_block(problem.scatter[p], state.plane[p]).cost;
         result.of_plane[p] += cost;
         sum += cost;
     }
@@ -142,6 +139,19 @@ double add_priors(BlockEnergies& result, const AlignmentProblem& problem, const 
 
 } // namespace
 
+DataWeights given_weights(const OptimizeTextureParams& params)
+{
+    return {1.0 / (params.sigma_color * params.sigma_color), params.lambda_d};
+}
+
+double plane_weight(const AlignmentProblem& problem, std::size_t p)
+{
+    const OptimizeTextureParams& params = problem.scene.params;
+    const double area = problem.scatter[p].weight * problem.texels.spacing * problem.texels.spacing;
+    const double independent = 1.0 / (1.0 + area / params.shared_area);
+    return problem.lambda_p * independent / (params.sigma_plane * params.sigma_plane);
+}
+
 BlockEnergies energies(const AlignmentProblem& problem, const AlignmentState& state,
                        const std::vector<PairCost>& color_costs)
 {
@@ -149,8 +159,8 @@ BlockEnergies energies(const AlignmentProblem& problem, const AlignmentState& st
     BlockEnergies result;
     result.of_frame.assign(state.camera_from_world.size(), 0.0);
     result.of_plane.assign(state.plane.size(), 0.0);
-    result.sum.color = add_pairs(result, color_costs, color_scale(params));
-    result.sum.depth = add_depths(result, state, problem.depths, params.lambda_d, params.huber_depth);
+    result.sum.color = add_pairs(result, color_costs, problem.weight.color);
+    result.sum.depth = add_depths(result, state, problem.depths, problem.weight.depth, params.huber_depth);
     result.sum.line = add_lines(result, problem, state) +
                       add_depths(result, state, problem.line_depths, params.lambda_t, params.huber_depth);
     result.sum.plane = add_planes(result, problem, state);
@@ -186,7 +196,7 @@ Fit with_exposures(const AlignmentProblem& problem, Fit before, std::vector<Expo
     auto color = texel_colors(problem.observations, gray, problem.scene.params.huber_color, kReweightings);
     double energy = 0.0;
     for (const PairCost& pair : color_costs(problem, gray, color))
-        energy += color_scale(problem.scene.params) * pair.cost;
+        energy += problem.weight.color * pair.cost;
     if (!(energy < before.energy.color)) return before;
     before.energy.color = energy;
     before.color = std::move(color);

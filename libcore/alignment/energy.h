@@ -12,6 +12,12 @@
 
 namespace quoin {
 
+// What the squares of grey differences and of depth residuals, in units of their noise, count.
+struct DataWeights {
+    double color = 0.0, depth = 0.0;
+};
+DataWeights given_weights(const OptimizeTextureParams& params);
+
 // Everything that is summed, at one pyramid level. Residuals count in units of their noise.
 struct AlignmentProblem {
     const AlignmentScene& scene;
@@ -24,12 +30,17 @@ struct AlignmentProblem {
     DepthSamples line_depths;           // line_term depth
     std::vector<PlaneScatter> scatter;  // P
     double lambda_p = 0.0;
+    DataWeights weight;
     AlignmentState input;                    // where the priors pull to
     std::vector<std::uint8_t> frame_is_free; // K; others keep their pose
     std::vector<std::uint8_t> plane_is_free; // P
     std::vector<double> prior_weight;        // K, of the pull to the input pose
     bool color_camera_is_free = false;
 };
+
+// What the square of a point's distance to plane p counts in the plane term. Cameras' errors bend the dense mesh as a
+// whole, so that the points of a large plane tell no more of it than those of a part: of `shared_area`.
+double plane_weight(const AlignmentProblem& problem, std::size_t p);
 
 // Weighted sums of each term.
 struct Energy {

@@ -52,9 +52,9 @@ void add_priors(NormalEquations& eq, const AlignmentState& state)
         eq.pose_own.push_back(problem.prior_weight[k] * block.H);
         eq.gradient.segment<6>(eq.layout.pose(k)) += problem.prior_weight[k] * block.g;
     }
-    const double weight = problem.lambda_p / (params.sigma_plane * params.sigma_plane);
     for (std::size_t p = 0; p < eq.layout.planes; ++p) {
         const PlaneBlock block = plane_block(problem.scatter[p], state.plane[p]);
+        const double weight = plane_weight(problem, p);
         eq.plane_own.push_back(weight * block.H);
         eq.gradient.segment<3>(eq.layout.plane(p)) += weight * block.g;
     }
@@ -115,7 +115,7 @@ NormalEquations without_colors(const AlignmentProblem& problem, const AlignmentS
     eq.layout = {state.camera_from_world.size(), state.plane.size()};
     eq.calibrate = problem.color_camera_is_free;
     add_priors(eq, state);
-    add_depths(eq, state, problem.depths, params.lambda_d);
+    add_depths(eq, state, problem.depths, problem.weight.depth);
     add_depths(eq, state, problem.line_depths, params.lambda_t);
     add_lines(eq, state);
     return eq;

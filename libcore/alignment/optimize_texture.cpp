@@ -1,6 +1,7 @@
 #include "alignment/optimize_texture.h"
 
 #include "alignment/channel_exposure.h"
+#include "alignment/data_weights.h"
 #include "alignment/gauge.h"
 #include "alignment/held_out.h"
 #include "alignment/problem.h"
@@ -43,7 +44,7 @@ double level_spacing(const OptimizeTextureParams& params, int level)
 }
 
 // lambda_p, or with PlaneWeight::Balanced lambda_p E_c / E_p of the input.
-double plane_weight(const AlignmentProblem& reference, const AlignmentState& state)
+double balanced_weight(const AlignmentProblem& reference, const AlignmentState& state)
 {
     const OptimizeTextureParams& params = reference.scene.params;
     if (params.plane_weight == PlaneWeight::Fixed) return params.lambda_p;
@@ -95,6 +96,13 @@ AlignmentState minimize_by_better_camera(AlignmentProblem& problem, const Alignm
     return problem.color_camera_is_free ? std::move(refined.state) : std::move(as_given.state);
 }
 
+DataWeights weights_at(const AlignmentProblem& problem, const AlignmentState& state)
+{
+    const OptimizeTextureParams& params = problem.scene.params;
+    const bool estimates = params.estimate_noise && params.solver == AlignmentSolver::Joint;
+    return estimates ? estimated_weights(problem, state) : given_weights(params);
+}
+
 AlignmentState minimize_by_schedule(ProblemSource& source, AlignmentState state, const OnIteration& on_iteration)
 {
     const OptimizeTextureParams& params = source.scene.params;
@@ -112,17 +120,20 @@ AlignmentState minimize_by_pyramid(ProblemSource& source, AlignmentState state, 
 {
     const OptimizeTextureParams& params = source.scene.params;
     Progress progress("aligning", static_cast<std::size_t>(params.levels * params.visibility_rounds));
-    bool tries_camera = params.calibration == CalibrationUse::Auto;
+    bool tries_camera = params.calibration == CalibrationUse::Auto, is_aligned = false;
     for (int level = params.levels - 1; level >= 0; --level)
         for (int round = 0; round < params.visibility_rounds; ++round) {
             auto problem = make_problem(source, state, level, level_spacing(params, level), TexelChoice::Selected);
-            log_debug(fmt::format("level {} compares {} texels in {} observations, {} depths and {} lines", level,
-                                  problem.texels.size(), problem.observations.size(), problem.depths.size(),
-                                  problem.lines.size()));
+            if (is_aligned) problem.weight = weights_at(problem, state);
+            log_debug(fmt::format("level {} compares {} texels in {} observations, {} depths and {} lines, noise of "
+                                  "a grey {:.4f}, weight of the depths {:.3g}",
+                                  level, problem.texels.size(), problem.observations.size(), problem.depths.size(),
+                                  problem.lines.size(), 1.0 / std::sqrt(problem.weight.color), problem.weight.depth));
             state =
                 tries_camera ? minimize_by_better_camera(problem, state) : minimize_jointly(problem, std::move(state));
             source.color_camera_is_free = problem.color_camera_is_free;
             tries_camera = false;
+            is_aligned = true;
             on_round(state);
             progress.step();
         }
@@ -232,9 +243,9 @@ struct Choice {
 };
 
 // Worse: by the energy, or by the texels that the solver did not see.
-Choice better_of(const AlignmentProblem& reference, AlignmentState input, AlignmentState optimized, bool energy_fell)
+Choice better_of(const AlignmentProblem& reference, AlignmentState input, AlignmentState optimized)
 {
-    if (!energy_fell) {
+    if (fit(reference, optimized).energy.total() > fit(reference, input).energy.total()) {
         log_warning("the alignment did not lower the energy; poses and planes stay as they were");
         return {std::move(input), reference.observations, {}, true};
     }
@@ -302,7 +313,7 @@ Alignment optimize_texture(const AlignmentInput& input, const OptimizeTexturePar
     AlignmentProblem reference =
         make_problem(source, start, 0, kReferenceStride * level_spacing(params, 0), TexelChoice::All);
     if (params.optimize_exposure && params.optimize_vignetting) take_out_vignetting(scene, reference, start);
-    source.lambda_p = reference.lambda_p = plane_weight(reference, start);
+    source.lambda_p = reference.lambda_p = balanced_weight(reference, start);
     warn_of_blind_frames(reference);
     warn_of_missing_texture(reference, start);
 
@@ -310,9 +321,11 @@ Alignment optimize_texture(const AlignmentInput& input, const OptimizeTexturePar
     const auto record = [&](const AlignmentState& state) { rows.push_back(mean_energies(reference, state)); };
     const auto minimize = params.solver == AlignmentSolver::Joint ? minimize_by_pyramid : minimize_by_schedule;
     AlignmentState state = in_frame_of_mesh(reference, start, minimize(source, start, record));
-    state = without_strays(reference, start, without_stray_normals(reference, start, std::move(state)));
+    AlignmentProblem judged = reference;
+    judged.weight = weights_at(reference, state);
+    state = without_strays(judged, start, without_stray_normals(judged, start, std::move(state)));
     record(state);
-    const Choice best = better_of(reference, start, std::move(state), rows.back()[0] <= rows.front()[0]);
+    const Choice best = better_of(judged, start, std::move(state));
     if (best.is_input) record(best.state);
     report(start, best.state, rows);
     Alignment alignment = to_alignment(best.state, std::move(rows));

@@ -35,7 +35,7 @@ struct OptimizeTextureParams {
     PlaneTermKind plane_term = PlaneTermKind::Moments;
     double lambda_t = 1.0;
     LineTermKind line_term = LineTermKind::Reprojection;
-    double lambda_d = 5.0;
+    double lambda_d = 4.0;
     bool optimize_poses = true;
     bool optimize_planes = true;
     bool optimize_exposure = true;
@@ -66,9 +66,11 @@ struct OptimizeTextureParams {
     int pose_loops = 5;
     int plane_loops = 2;
 
+    bool estimate_noise = true;
     double sigma_color = 0.02;
     double huber_color = 0.03;
-    double sigma_plane = 0.02;
+    double sigma_plane = 0.0055;
+    double shared_area = 0.02;
     double sigma_line = 1.0;
     double huber_line = 2.0;
     double depth_noise = 0.0012;
@@ -76,7 +78,7 @@ struct OptimizeTextureParams {
     double huber_depth = 0.7;
     double prior_translation = 0.02;
     double prior_rotation = 1.0;
-    double shared_errors = 4.0;
+    double shared_errors = 16.0;
     double exposure_prior = 0.0003;
     double bias_prior = 0.01;
     int exposure_rounds = 3;
@@ -162,11 +164,18 @@ struct OptimizeTextureParams {
             Param{"outer_loops", &P::outer_loops, "", "rounds of poses, planes and colours (alternating)", 0, 1000},
             Param{"pose_loops", &P::pose_loops, "", "pose steps per round (alternating)", 0, 1000},
             Param{"plane_loops", &P::plane_loops, "", "plane steps per round (alternating)", 0, 1000},
+            Param{"estimate_noise", &P::estimate_noise, "",
+                  "take depths, and greys where they agree better than by sigma_color, to be as exact as they agree, "
+                  "before "
+                  "they are weighed against the input's poses and planes (joint)"},
             Param{"sigma_color", &P::sigma_color, "", "noise of a grey value, 0..1", 1e-6, 1.0},
             Param{"huber_color", &P::huber_color, "", "grey difference from which the cost is linear; 1 = never", 1e-6,
                   1.0},
             Param{"sigma_plane", &P::sigma_plane, "m", "error of the dense mesh, which its cameras' errors have bent",
                   1e-6, 1.0},
+            Param{"shared_area", &P::shared_area, "m^2",
+                  "so much of the dense mesh errs together: the points of larger planes count as those of such a part",
+                  1e-9, 1e9},
             Param{"sigma_line", &P::sigma_line, "px", "noise of a segment's end point", 1e-3, 100.0},
             Param{"huber_line", &P::huber_line, "", "line residual, in sigmas, from which the cost is linear", 1e-3,
                   1e9},

@@ -10,7 +10,24 @@ namespace quoin {
 namespace {
 
 constexpr std::size_t kColorGrain = 4096;
-constexpr float kNoDelta = 1e30f; // all views count alike
+float mean(const std::vector<float>& view)
+{
+    Floats total{};
+    for (std::size_t i = 0; i < view.size(); i += kFloats)
+        total += load_part(&view[i], view.size() - i);
+    return sum(total) / static_cast<float>(view.size());
+}
+
+// Then Huber's weights are all one.
+bool all_within(const std::vector<float>& view, float center, float delta)
+{
+    Floats beyond{};
+    for (std::size_t i = 0; i < view.size(); i += kFloats) {
+        const Floats size = first_of(size_of(load_part(&view[i], view.size() - i) - center), view.size() - i);
+        beyond += size > delta ? size : Floats{};
+    }
+    return sum(beyond) == 0.0f;
+}
 
 // Of a texel's views, weighted by Huber's weight at `delta` about `center`.
 float weighted_mean(const std::vector<float>& view, float center, float delta)
@@ -24,6 +41,15 @@ float weighted_mean(const std::vector<float>& view, float center, float delta)
         weights += counted;
     }
     return static_cast<float>(sum(total) / sum(weights));
+}
+
+float robust_mean(const std::vector<float>& view, float delta, int rounds)
+{
+    float center = mean(view);
+    if (all_within(view, center, delta)) return center;
+    for (int round = 0; round < rounds; ++round)
+        center = weighted_mean(view, center, delta);
+    return center;
 }
 
 // Observations that have been placed, but not sampled yet.
@@ -102,8 +128,7 @@ std::vector<float> texel_colors(const Observations& observations, const std::vec
             view.resize(observations.first_of_texel[t + 1] - first);
             for (std::size_t i = 0; i < view.size(); ++i)
                 view[i] = gray[observations.of_texel[first + i]];
-            for (int round = 0; round <= rounds && !view.empty(); ++round)
-                color[t] = weighted_mean(view, color[t], round > 0 ? static_cast<float>(delta) : kNoDelta);
+            if (!view.empty()) color[t] = robust_mean(view, static_cast<float>(delta), rounds);
         }
     });
     return color;

@@ -97,9 +97,8 @@ AlignmentProblem make_problem(const ProblemSource& source, const AlignmentState&
                               TexelChoice choice)
 {
     const AlignmentScene& scene = source.scene;
-    AlignmentProblem problem{
-        scene, level, sample_texels(scene.mesh, spacing), {}, {}, {}, {}, {}, {}, source.lambda_p, source.input, {},
-        {},    {}};
+    AlignmentProblem problem{scene, level,           sample_texels(scene.mesh, spacing), {},           {}, {}, {}, {},
+                             {},    source.lambda_p, given_weights(scene.params),        source.input, {}, {}, {}};
     problem.scatter = scene.params.plane_term == PlaneTermKind::Moments ? scatters_of_moments(scene.mesh, spacing)
                                                                         : scatters_of_texels(problem.texels);
     if (choice != TexelChoice::All) problem.texels = fitted(problem.texels, scene.params);

@@ -8,7 +8,7 @@ int main(int argc, char** argv)
     const Stage stage{
         .name = "optimize-texture",
         .summary = "moves cameras, planes and exposures until every point of every plane has one colour",
-        .impl_version = 11,
+        .impl_version = 12,
         .inputs = {{"scan", "frames, cameras and poses"},
                    {"keyframes", "the frames to align"},
                    {"plane_mesh", "the planes that the frames look at"},

@@ -25,6 +25,7 @@ OptimizeTextureParams small_room_params()
     params.jump_radius = 1;
     params.prior_translation = 0.05;
     params.shared_errors = 1e9; // the errors of these pixels and depths are independent
+    params.shared_area = 1e9;   // as are those of the mesh
     params.calibration = CalibrationUse::Fixed;
     return params;
 }
