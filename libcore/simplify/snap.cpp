@@ -8,7 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <set>
 
 namespace quoin {
 namespace {
@@ -76,28 +76,26 @@ void trim_ears(PlaneMesh& mesh, const std::vector<std::uint32_t>& opposite, cons
     std::vector<std::size_t> size(mesh.plane.size(), 0);
     for (const PlaneId p : mesh.face_plane)
         ++size[p];
-    std::vector<std::uint8_t> stirred(mesh.mesh.face.size()); // may it be an ear?
-    parallel_for(
-        stirred.size(),
-        [&](std::size_t f) {
-            stirred[f] = plane_behind_ear(mesh, opposite, static_cast<FaceId>(f)) == kNoPlane ? 0 : 1;
-        },
-        kSnapGrain);
-    // Every ear that goes over shortens the borders by an edge, so this ends.
-    for (bool changed = true; changed;) {
-        changed = false;
-        for (FaceId f = 0; f < mesh.mesh.face.size(); ++f) {
-            if (std::exchange(stirred[f], std::uint8_t{0}) == 0) continue;
-            const PlaneId plane = plane_behind_ear(mesh, opposite, f);
-            if (plane == kNoPlane || size[mesh.face_plane[f]] < 2) continue;
-            if (!explained_by(mesh, f, mesh.plane[plane], params.snap_distance)) continue;
+    const auto may_be_ears = parallel_select<FaceId>(mesh.mesh.face.size(), kSnapGrain, [&](std::size_t f) {
+        return plane_behind_ear(mesh, opposite, static_cast<FaceId>(f)) != kNoPlane;
+    });
+    std::set<FaceId> stirred(may_be_ears.begin(), may_be_ears.end());
+    // Every ear that goes over shortens the borders by an edge, so this ends. From the first face to the last, and
+    // again.
+    for (auto next = stirred.begin(); !stirred.empty();) {
+        const FaceId f = *next;
+        stirred.erase(next);
+        const PlaneId plane = plane_behind_ear(mesh, opposite, f);
+        if (plane != kNoPlane && size[mesh.face_plane[f]] > 1 &&
+            explained_by(mesh, f, mesh.plane[plane], params.snap_distance)) {
             --size[mesh.face_plane[f]];
             ++size[plane];
             mesh.face_plane[f] = plane;
             for (std::uint32_t k = 0; k < 3; ++k)
-                if (const std::uint32_t o = opposite[3 * f + k]; is_half_edge(o)) stirred[o / 3] = 1;
-            changed = true;
+                if (const std::uint32_t o = opposite[3 * f + k]; is_half_edge(o)) stirred.insert(o / 3);
         }
+        next = stirred.upper_bound(f);
+        if (next == stirred.end()) next = stirred.begin();
     }
 }
 
