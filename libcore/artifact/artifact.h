@@ -107,7 +107,7 @@ Artifact read_artifact(const std::filesystem::path& path);
 // The same, and the schema must be `schema` at a version up to `newest` (older ones are migrated).
 Artifact read_artifact(const std::filesystem::path& path, std::string_view schema, int newest = 1);
 
-// Writes atomically. Metadata of the artifact is written along; payload and checksums are added.
-void write_artifact(const std::filesystem::path& path, const Artifact& artifact);
+// Writes atomically. Metadata of the artifact is written along; payload and checksums are added. Returns the payload.
+std::string write_artifact(const std::filesystem::path& path, const Artifact& artifact);
 
 } // namespace quoin

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -26,6 +27,14 @@ void parallel_for(std::size_t count, const Body& body, std::size_t grain = 1)
         for (std::size_t i = begin; i < end; ++i)
             body(i);
     });
+}
+
+// Runs tasks that do not depend on each other.
+template <class... Tasks>
+void parallel_tasks(const Tasks&... tasks)
+{
+    const std::array<std::function<void()>, sizeof...(Tasks)> all{tasks...};
+    parallel_for(all.size(), [&](std::size_t i) { all[i](); });
 }
 
 // Folds chunks in order: result = combine(... combine(identity, chunk_0) ..., chunk_n), where chunk = map(begin, end).

@@ -1,9 +1,12 @@
+#include "base/parallel.h"
 #include "schema/matrices.h"
 #include "schema/mesh_tensors.h"
 #include "schema/schema.h"
 
 namespace quoin {
 namespace {
+
+constexpr std::size_t kClassGrain = 1 << 16; // [vertices]
 
 using Numbers10 = std::array<double, 10>; // area, first (3), second (6: xx xy xz yy yz zz)
 
@@ -39,17 +42,22 @@ void add_plane_mesh_tensors(Artifact& artifact, const PlaneMesh& mesh)
 PlaneMesh read_plane_mesh_tensors(const TensorReader& reader)
 {
     PlaneMesh mesh;
-    mesh.mesh = read_mesh_tensors(reader);
+    parallel_tasks([&] { mesh.mesh = read_mesh_tensors(reader); },
+                   [&] {
+                       mesh.face_plane = reader.array<std::uint32_t, PlaneId>("face_plane", {kAny});
+                       mesh.vertex_class = reader.array<std::uint8_t, VertexClass>("vertex_class", {kAny});
+                   });
+    reader.check_length("face_plane", mesh.face_plane.size(), "face", mesh.mesh.face.size());
+    reader.check_length("vertex_class", mesh.vertex_class.size(), "position", mesh.mesh.position.size());
     mesh.plane = read_planes(reader, "plane");
-    mesh.face_plane = reader.array<std::uint32_t, PlaneId>("face_plane", {mesh.mesh.face.size()});
     reader.check_indices("face_plane", mesh.face_plane.data(), mesh.face_plane.size(), mesh.plane.size());
     for (const auto& row : reader.array<double, Numbers10>("moments", {mesh.plane.size(), 10})) {
         reader.check_finite("moments", row.data(), row.size());
         mesh.moments.push_back(moments_of(row));
     }
-    mesh.vertex_class = reader.array<std::uint8_t, VertexClass>("vertex_class", {mesh.mesh.position.size()});
-    for (const VertexClass c : mesh.vertex_class)
-        if (c > VertexClass::Corner) reader.refuse("vertex_class", "holds a class above 2");
+    const auto is_class = [&](std::size_t v) { return mesh.vertex_class[v] <= VertexClass::Corner; };
+    if (!parallel_all_of(mesh.vertex_class.size(), kClassGrain, is_class))
+        reader.refuse("vertex_class", "holds a class above 2");
     return mesh;
 }
 

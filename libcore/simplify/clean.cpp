@@ -142,16 +142,6 @@ std::vector<std::uint8_t> repeated_faces(const TriangleMesh& mesh)
     return repeated;
 }
 
-// Two faces with the same vertices share all their edges.
-bool may_repeat_faces(const std::vector<std::uint32_t>& opposite)
-{
-    return !parallel_all_of(opposite.size() / 3, kGrain, [&](std::size_t f) {
-        const std::uint32_t a = opposite[3 * f], b = opposite[3 * f + 1], c = opposite[3 * f + 2];
-        if (a == kNonManifoldEdge || b == kNonManifoldEdge || c == kNonManifoldEdge) return false;
-        return !is_half_edge(a) || !is_half_edge(b) || !is_half_edge(c) || a / 3 != b / 3 || b / 3 != c / 3;
-    });
-}
-
 // An edge of a face as it is sorted: faces of one edge side by side, those of one plane next to each other.
 struct CrowdedUse {
     VertexId low = 0, high = 0;
@@ -316,7 +306,7 @@ std::vector<std::uint32_t> clean_input(PlaneMesh& mesh, const SimplifyParams& pa
     keep_faces(mesh, [&](std::size_t f) { return usable(mesh.mesh, mesh.mesh.face[f]); });
     mesh.mesh.normal.clear();
     auto opposite = opposite_half_edges(mesh.mesh);
-    if (may_repeat_faces(opposite)) {
+    if (!faces_that_may_repeat(opposite).empty()) {
         const auto repeated = repeated_faces(mesh.mesh);
         keep_faces(mesh, [&](std::size_t f) { return repeated[f] == 0; });
         opposite = opposite_half_edges(mesh.mesh);

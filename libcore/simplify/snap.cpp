@@ -1,6 +1,7 @@
 #include "simplify/snap.h"
 
 #include "base/parallel.h"
+#include "geometry/radix_sort.h"
 #include "geometry/units.h"
 #include "mesh/adjacency.h"
 #include "mesh/creases.h"
@@ -57,15 +58,20 @@ struct PlaneUse {
 // Planes at the vertices of curves and of the faces of `part`, sorted, each once.
 std::vector<PlaneUse> plane_uses(const Curves& curves, const PlaneMesh& part)
 {
-    std::vector<PlaneUse> uses;
+    std::vector<Keyed> keys;
+    const auto add = [&](VertexId v, PlaneId p) { keys.push_back({(std::uint64_t{v} << 32) | p, 0}); };
     for (std::uint32_t s = 0; s < curves.size(); ++s)
         for (const PlaneId p : curves.curve[curves.curve_of[s]].planes)
-            if (p != kNoPlane) uses.push_back({curves.vertex[s], p});
+            if (p != kNoPlane) add(curves.vertex[s], p);
     for (FaceId f = 0; f < part.mesh.face.size(); ++f)
         for (const VertexId v : part.mesh.face[f])
-            uses.push_back({v, part.face_plane[f]});
-    std::sort(uses.begin(), uses.end());
-    uses.erase(std::unique(uses.begin(), uses.end()), uses.end());
+            add(v, part.face_plane[f]);
+    radix_sort(keys);
+    std::vector<PlaneUse> uses;
+    for (const auto& [key, item] : keys) {
+        const PlaneUse use{static_cast<VertexId>(key >> 32), static_cast<PlaneId>(key)};
+        if (uses.empty() || uses.back() != use) uses.push_back(use);
+    }
     return uses;
 }
 
@@ -115,13 +121,17 @@ void snap_curves(const Curves& curves, PlaneMesh& part, const SimplifyParams& pa
     if (params.snap_distance <= 0.0) return;
     const auto uses = plane_uses(curves, part);
     const auto before = part.mesh.position;
-    std::vector<PlaneId> planes;
-    for (std::size_t begin = 0, end = 0; begin < uses.size(); begin = end) {
-        planes.clear();
-        for (end = begin; end < uses.size() && uses[end].vertex == uses[begin].vertex; ++end)
-            planes.push_back(uses[end].plane);
-        snap(part, uses[begin].vertex, planes, params);
-    }
+    parallel_for(
+        uses.size(),
+        [&](std::size_t i) {
+            const VertexId v = uses[i].vertex;
+            if (i > 0 && uses[i - 1].vertex == v) return; // its first use stands for all
+            std::vector<PlaneId> planes;
+            for (; i < uses.size() && uses[i].vertex == v; ++i)
+                planes.push_back(uses[i].plane);
+            snap(part, v, planes, params);
+        },
+        kSnapGrain);
     if (!part.mesh.face.empty()) hold_back_flips(part, before, {.min_cosine = std::cos(radians(params.max_deviation))});
 }
 

@@ -52,6 +52,9 @@ public:
         : planes_(mesh), params_(params), mesh_(doubles(mesh.mesh.position), mesh.mesh.face),
           look_(mesh.mesh.face.size(), Look::Stirred)
     {
+        piece_.reserve(look_.size());
+        for (FaceId f = 0; f < look_.size(); ++f)
+            piece_.push_back(piece(f));
     }
 
     std::size_t run()
@@ -104,7 +107,8 @@ private:
     PlaneMesh planes_; // its faces are as they were
     const SimplifyParams& params_;
     CollapseMesh mesh_;
-    std::vector<Look> look_; // F
+    std::vector<Look> look_;   // F
+    std::vector<Piece> piece_; // F; of faces that are alive
 };
 
 // Faces of the given vertices, each once.
@@ -142,7 +146,7 @@ Pieces Unfolder::pieces(const std::vector<FaceId>& faces) const
     Pieces result;
     result.reserve(faces.size());
     for (const FaceId f : faces)
-        result.push_back(piece(f));
+        result.push_back(piece_[f]);
     return result;
 }
 
@@ -209,15 +213,22 @@ void Unfolder::stir(VertexId v)
 
 void Unfolder::apply(const Change& change)
 {
+    std::vector<FaceId> changed(change.faces.begin(), change.faces.end());
     switch (change.kind) {
     case Change::Kind::Contraction:
+        changed =
+            mesh_.position(change.kept) == change.target ? around({change.gone}) : around({change.kept, change.gone});
         mesh_.move(change.kept, change.target);
-        return mesh_.contract(change.kept, change.gone);
+        mesh_.contract(change.kept, change.gone);
+        break;
     case Change::Kind::Flip:
-        return mesh_.flip(change.faces[0], change.faces[1], change.kept, change.gone);
+        mesh_.flip(change.faces[0], change.faces[1], change.kept, change.gone);
+        break;
     case Change::Kind::OtherPlane:
         planes_.face_plane[change.faces[0]] = change.plane;
     }
+    for (const FaceId f : changed)
+        if (mesh_.alive(f)) piece_[f] = piece(f);
 }
 
 // Do planes stay in one piece, and keep a face, when the edge is contracted? All but those of a single bad face.
@@ -306,7 +317,7 @@ void Unfolder::try_other_planes(FaceId f, std::optional<Change>& best) const
         return;
     for (const FaceId g : neighbours) {
         if (planes_.face_plane[g] == plane) continue;
-        Pieces after{piece(f)};
+        Pieces after{piece_[f]};
         after[0].plane = planes_.face_plane[g];
         consider({.kind = Change::Kind::OtherPlane, .faces = {f, g}, .plane = planes_.face_plane[g]}, near, after,
                  best);

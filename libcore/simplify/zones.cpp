@@ -93,11 +93,11 @@ ZonePart Zones::part() const
 {
     ZonePart part;
     std::vector<std::uint32_t> border;
-    for (const std::uint32_t h : border_) {
-        const std::uint32_t o = opposite_[h];
-        if (pending(mesh_.face_plane[h / 3]) || (o != kBorderEdge && pending(mesh_.face_plane[o / 3])))
-            border.push_back(h);
-    }
+    for (const auto i : parallel_select<std::uint32_t>(border_.size(), kFaceGrain, [&](std::size_t b) {
+             const std::uint32_t h = border_[b], o = opposite_[h];
+             return pending(mesh_.face_plane[h / 3]) || (o != kBorderEdge && pending(mesh_.face_plane[o / 3]));
+         }))
+        border.push_back(border_[i]);
     part.curves = trace_curves(mesh_, opposite_, border);
     part.mesh.plane = mesh_.plane;
     part.mesh.moments = mesh_.moments;
