@@ -108,7 +108,8 @@ void BorderSimplifier::push(std::uint32_t first)
 {
     const std::uint32_t second = curves_.next[first];
     if (second == Curves::kNone || (corner(first) && corner(second))) return;
-    heap_.push({fit_.cost(first, second, quadric_), first, second, version_[first], version_[second]});
+    heap_.push({fit_.cost(first, second, fit_.target(first, second, quadric_), quadric_), first, second,
+                version_[first], version_[second]});
 }
 
 bool BorderSimplifier::try_contract(std::uint32_t s, std::uint32_t t)

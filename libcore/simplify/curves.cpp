@@ -10,7 +10,7 @@ namespace quoin {
 namespace {
 
 constexpr std::size_t kHalfEdgeGrain = 1 << 16;
-constexpr std::size_t kEdgeGrain = 1 << 12;
+constexpr std::size_t kBorderEdgeGrain = 1 << 12;
 
 struct BorderEdge {
     std::array<VertexId, 2> end{};
@@ -164,7 +164,7 @@ Curves trace_curves(const PlaneMesh& mesh, const std::vector<std::uint32_t>& opp
 {
     std::vector<BorderEdge> edges(border.size());
     parallel_for(
-        edges.size(), [&](std::size_t e) { edges[e] = border_edge(mesh, opposite, border[e]); }, kEdgeGrain);
+        edges.size(), [&](std::size_t e) { edges[e] = border_edge(mesh, opposite, border[e]); }, kBorderEdgeGrain);
     return Tracer(mesh, std::move(edges)).trace();
 }
 

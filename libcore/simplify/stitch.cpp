@@ -9,7 +9,7 @@
 namespace quoin {
 namespace {
 
-constexpr std::size_t kEdgeGrain = 1 << 14; // [half-edges]
+constexpr std::size_t kStitchGrain = 1 << 14; // [half-edges]
 
 struct EdgeUse {
     VertexId low = 0, high = 0;
@@ -24,7 +24,7 @@ std::vector<EdgeUse> sorted_crowded_edges(const TriangleMesh& mesh, const std::v
     const auto opposite = opposite_half_edges(mesh);
     std::vector<EdgeUse> edges;
     for (const auto h : parallel_select<std::uint32_t>(
-             opposite.size(), kEdgeGrain, [&](std::size_t i) { return opposite[i] == kNonManifoldEdge; })) {
+             opposite.size(), kStitchGrain, [&](std::size_t i) { return opposite[i] == kNonManifoldEdge; })) {
         const auto [low, high] = std::minmax(mesh.face[h / 3][h % 3], mesh.face[h / 3][(h % 3 + 1) % 3]);
         edges.push_back({low, high, face_plane[h / 3], h / 3});
     }
