@@ -180,16 +180,10 @@ struct Digests {
     std::vector<std::string> checksum; // of the tensors, as they are in the file
 };
 
-Digests digests_of(const Artifact& artifact, const std::vector<std::string>& names)
-{
-    return {artifact.payload(), checksums(artifact, names)};
-}
-
 // As long as those of any artifact with as many tensors.
 Digests blank_digests(std::size_t tensors)
 {
-    static const Digests empty = digests_of({}, {});
-    return {std::string(empty.payload.size(), '0'), std::vector<std::string>(tensors, checksum_hex({}))};
+    return {Artifact().payload(), std::vector<std::string>(tensors, checksum_hex({}))};
 }
 
 // The JSON header, padded so that the tensors behind it are aligned.
@@ -298,10 +292,11 @@ std::string write_artifact_in_place(const fs::path& temporary, const Artifact& a
     const std::uint64_t length = header_text(artifact, names, blank_digests(names.size())).size();
     seek(descriptor, sizeof(length) + length, path);
     Digests digests;
-    parallel_tasks([&] { digests = digests_of(artifact, names); },
+    parallel_tasks([&] { digests.payload = artifact.payload(); },
                    [&] {
                        for (const auto& name : names)
                            write_all(descriptor, artifact.tensors.at(name).bytes, path);
+                       digests.checksum = checksums(artifact, names);
                    });
     fail_point("artifact_half_written", path);
     const std::string text = header_text(artifact, names, digests);
