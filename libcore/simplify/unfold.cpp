@@ -254,7 +254,7 @@ bool Unfolder::may_lose_faces_between(VertexId kept, VertexId gone)
 void Unfolder::try_contractions(VertexId a, VertexId b, std::optional<Change>& best)
 {
     std::array<FaceId, 2> faces{};
-    const bool pinches = open(a) && open(b) && mesh_.faces_on_edge(a, b, faces) == 2;
+    const bool pinches = mesh_.faces_on_edge(a, b, faces) == 2 && open(a) && open(b);
     if (pinches || !mesh_.link_condition(a, b) || !may_lose_faces_between(a, b)) return;
     const Change into_a{.kept = a, .gone = b, .target = mesh_.position(a)},
         into_b{.kept = b, .gone = a, .target = mesh_.position(b)};
