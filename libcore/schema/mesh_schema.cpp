@@ -5,6 +5,7 @@
 #include "schema/schema.h"
 
 #include <fmt/format.h>
+#include <utility>
 
 namespace quoin {
 namespace {
@@ -13,12 +14,12 @@ constexpr std::size_t kPositionGrain = 1 << 16; // [vertices]
 
 } // namespace
 
-void add_mesh_tensors(Artifact& artifact, const TriangleMesh& mesh)
+void add_mesh_tensors(Artifact& artifact, TriangleMesh mesh)
 {
-    artifact.add<float>("position", {mesh.position.size(), 3}, mesh.position);
-    artifact.add<std::uint32_t>("face", {mesh.face.size(), 3}, mesh.face);
-    if (!mesh.color.empty()) artifact.add<std::uint8_t>("color", {mesh.color.size(), 3}, mesh.color);
-    if (!mesh.normal.empty()) artifact.add<float>("normal", {mesh.normal.size(), 3}, mesh.normal);
+    artifact.add<float>("position", {mesh.position.size(), 3}, std::move(mesh.position));
+    artifact.add<std::uint32_t>("face", {mesh.face.size(), 3}, std::move(mesh.face));
+    if (!mesh.color.empty()) artifact.add<std::uint8_t>("color", {mesh.color.size(), 3}, std::move(mesh.color));
+    if (!mesh.normal.empty()) artifact.add<float>("normal", {mesh.normal.size(), 3}, std::move(mesh.normal));
 }
 
 TriangleMesh read_mesh_tensors(const TensorReader& reader)
@@ -44,10 +45,10 @@ TriangleMesh read_mesh_tensors(const TensorReader& reader)
     return mesh;
 }
 
-Artifact to_artifact(const TriangleMesh& mesh)
+Artifact to_artifact(TriangleMesh mesh)
 {
     Artifact artifact{"mesh", 1, {}, {}};
-    add_mesh_tensors(artifact, mesh);
+    add_mesh_tensors(artifact, std::move(mesh));
     return artifact;
 }
 

@@ -3,6 +3,8 @@
 #include "schema/mesh_tensors.h"
 #include "schema/schema.h"
 
+#include <utility>
+
 namespace quoin {
 namespace {
 
@@ -27,16 +29,16 @@ Moments moments_of(const Numbers10& n)
 
 } // namespace
 
-void add_plane_mesh_tensors(Artifact& artifact, const PlaneMesh& mesh)
+void add_plane_mesh_tensors(Artifact& artifact, PlaneMesh mesh)
 {
-    add_mesh_tensors(artifact, mesh.mesh);
+    add_mesh_tensors(artifact, std::move(mesh.mesh));
     std::vector<Numbers10> moments;
     for (const auto& m : mesh.moments)
         moments.push_back(numbers_of(m));
-    artifact.add<std::uint32_t>("face_plane", {mesh.face_plane.size()}, mesh.face_plane);
+    artifact.add<std::uint32_t>("face_plane", {mesh.face_plane.size()}, std::move(mesh.face_plane));
     add_planes(artifact, "plane", mesh.plane);
-    artifact.add<double>("moments", {moments.size(), 10}, moments);
-    artifact.add<std::uint8_t>("vertex_class", {mesh.vertex_class.size()}, mesh.vertex_class);
+    artifact.add<double>("moments", {moments.size(), 10}, std::move(moments));
+    artifact.add<std::uint8_t>("vertex_class", {mesh.vertex_class.size()}, std::move(mesh.vertex_class));
 }
 
 PlaneMesh read_plane_mesh_tensors(const TensorReader& reader)
@@ -61,10 +63,10 @@ PlaneMesh read_plane_mesh_tensors(const TensorReader& reader)
     return mesh;
 }
 
-Artifact to_artifact(const PlaneMesh& mesh)
+Artifact to_artifact(PlaneMesh mesh)
 {
     Artifact artifact{"plane_mesh", 1, {}, {}};
-    add_plane_mesh_tensors(artifact, mesh);
+    add_plane_mesh_tensors(artifact, std::move(mesh));
     return artifact;
 }
 
