@@ -23,14 +23,20 @@ std::string_view name_of(DType type)
     return names[static_cast<int>(type)];
 }
 
+void Artifact::add_shared(const std::string& name, Tensor tensor)
+{
+    const std::size_t count =
+        std::accumulate(tensor.shape.begin(), tensor.shape.end(), std::size_t{1}, std::multiplies<>());
+    if (count * size_of(tensor.type) != tensor.bytes.size())
+        throw std::logic_error("tensor '" + name + "': shape and bytes disagree");
+    tensors[name] = std::move(tensor);
+}
+
 void Artifact::add_bytes(const std::string& name, DType type, std::vector<std::size_t> shape,
                          std::span<const std::byte> bytes)
 {
-    const std::size_t count = std::accumulate(shape.begin(), shape.end(), std::size_t{1}, std::multiplies<>());
-    if (count * size_of(type) != bytes.size())
-        throw std::logic_error("tensor '" + name + "': shape and bytes disagree");
-    auto buffer = std::make_shared<std::vector<std::byte>>(bytes.begin(), bytes.end());
-    tensors[name] = {type, std::move(shape), *buffer, buffer};
+    const auto buffer = std::make_shared<std::vector<std::byte>>(bytes.begin(), bytes.end());
+    add_shared(name, {type, std::move(shape), *buffer, buffer});
 }
 
 void Artifact::add_text(const std::string& name, const std::string& text)

@@ -11,6 +11,8 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace quoin {
@@ -80,6 +82,15 @@ struct Artifact {
         const std::span<const std::byte> bytes = std::as_bytes(std::span(values));
         add_bytes(name, type, std::move(shape), bytes);
     }
+    // The same, but the values are not copied.
+    template <class Element, class T>
+    void add(const std::string& name, std::vector<std::size_t> shape, std::vector<T>&& values)
+    {
+        static_assert(std::is_trivially_copyable_v<T> || sizeof(T) % sizeof(Element) == 0);
+        const auto owner = std::make_shared<const std::vector<T>>(std::move(values));
+        add_shared(name, {dtype_of<Element>(), std::move(shape), std::as_bytes(std::span(*owner)), owner});
+    }
+    void add_shared(const std::string& name, Tensor tensor);
     void add_bytes(const std::string& name, DType type, std::vector<std::size_t> shape,
                    std::span<const std::byte> bytes);
     void add_text(const std::string& name, const std::string& text); // (length) u8
@@ -107,7 +118,7 @@ Artifact read_artifact(const std::filesystem::path& path);
 // The same, and the schema must be `schema` at a version up to `newest` (older ones are migrated).
 Artifact read_artifact(const std::filesystem::path& path, std::string_view schema, int newest = 1);
 
-// Writes atomically. Metadata of the artifact is written along; payload and checksums are added.
-void write_artifact(const std::filesystem::path& path, const Artifact& artifact);
+// Writes atomically. Metadata of the artifact is written along; payload and checksums are added. Returns the payload.
+std::string write_artifact(const std::filesystem::path& path, const Artifact& artifact);
 
 } // namespace quoin

@@ -9,6 +9,7 @@
 #include "base/parallel.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
@@ -128,17 +129,23 @@ void check_no_holes(const fs::path& path, const std::map<std::string, Tensor>& t
         refuse(path, fmt::format("{} bytes follow the last tensor", data.data() + data.size() - at));
 }
 
+std::vector<std::string> checksums(const Artifact& artifact, const std::vector<std::string>& names)
+{
+    std::vector<std::string> sums(names.size());
+    parallel_for(names.size(), [&](std::size_t i) { sums[i] = checksum_hex(artifact.tensors.at(names[i]).bytes); });
+    return sums;
+}
+
 void check_checksums(const fs::path& path, const Artifact& artifact)
 {
     const auto text = artifact.metadata.find("quoin.checksums");
     if (text == artifact.metadata.end()) return; // written by a foreign program
-    const Json sums = Json::parse(text->second, nullptr, false);
-    for (const auto& [name, tensor] : artifact.tensors) {
-        const std::string expected =
-            sums.is_object() && sums.contains(name) && sums[name].is_string() ? sums[name].get<std::string>() : "";
-        if (checksum_hex(tensor.bytes) != expected)
-            refuse(path, fmt::format("tensor '{}' is damaged (its checksum differs)", name));
-    }
+    const Json expected = Json::parse(text->second, nullptr, false);
+    const auto names = file_order(artifact.tensors);
+    const auto sums = checksums(artifact, names);
+    for (std::size_t i = 0; i < names.size(); ++i)
+        if (!expected.is_object() || expected.value(names[i], Json()) != sums[i])
+            refuse(path, fmt::format("tensor '{}' is damaged (its checksum differs)", names[i]));
 }
 
 std::string take(std::map<std::string, std::string>& metadata, const char* name)
@@ -167,14 +174,22 @@ std::uint64_t data_end(const Json& header)
     return end;
 }
 
-// The JSON header, padded so that the tensors behind it are aligned.
-std::string header_text(const Artifact& artifact)
-{
-    const auto names = file_order(artifact.tensors);
-    std::vector<std::string> sums(names.size());
-    parallel_for(names.size(), [&](std::size_t i) { sums[i] = checksum_hex(artifact.tensors.at(names[i]).bytes); });
+// What the header says of the tensors' bytes.
+struct Digests {
+    std::string payload;
+    std::vector<std::string> checksum; // of the tensors, as they are in the file
+};
 
-    Json header = Json::object(), checksums = Json::object();
+// As long as those of any artifact with as many tensors.
+Digests blank_digests(std::size_t tensors)
+{
+    return {Artifact().payload(), std::vector<std::string>(tensors, checksum_hex({}))};
+}
+
+// The JSON header, padded so that the tensors behind it are aligned.
+std::string header_text(const Artifact& artifact, const std::vector<std::string>& names, const Digests& digests)
+{
+    Json header = Json::object(), sums = Json::object();
     std::uint64_t offset = 0;
     for (std::size_t i = 0; i < names.size(); ++i) {
         const Tensor& tensor = artifact.tensors.at(names[i]);
@@ -182,18 +197,23 @@ std::string header_text(const Artifact& artifact)
                             {"shape", tensor.shape},
                             {"data_offsets", {offset, offset + tensor.bytes.size()}}};
         offset += tensor.bytes.size();
-        checksums[names[i]] = sums[i];
+        sums[names[i]] = digests.checksum[i];
     }
     Json metadata = artifact.metadata;
     metadata["quoin.schema"] = artifact.schema;
     metadata["quoin.schema_version"] = std::to_string(artifact.schema_version);
-    if (!artifact.metadata.contains("quoin.payload")) metadata["quoin.payload"] = artifact.payload();
-    metadata["quoin.checksums"] = checksums.dump();
+    metadata["quoin.payload"] = digests.payload;
+    metadata["quoin.checksums"] = sums.dump();
     header["__metadata__"] = std::move(metadata);
 
     std::string text = header.dump();
     text.resize((text.size() + 8 + kAlignment - 1) / kAlignment * kAlignment - 8, ' ');
     return text;
+}
+
+void seek(int descriptor, std::size_t offset, const fs::path& path)
+{
+    if (::lseek(descriptor, static_cast<off_t>(offset), SEEK_SET) < 0) fail_writing(path, "cannot write", errno);
 }
 
 } // namespace
@@ -262,24 +282,38 @@ bool is_complete_artifact(const fs::path& path)
     }
 }
 
-void write_artifact_in_place(const fs::path& temporary, const Artifact& artifact, const fs::path& path)
+// Digests are found while the tensors are written; the header, whose length is known before, comes last.
+std::string write_artifact_in_place(const fs::path& temporary, const Artifact& artifact, const fs::path& path)
 {
-    const std::string text = header_text(artifact);
-    const auto length = static_cast<std::uint64_t>(text.size());
     const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
     if (descriptor < 0) fail_writing(path, "cannot write", errno, "name an existing folder that you may write to");
     const std::shared_ptr<const int> closer(&descriptor, [](const int* d) { ::close(*d); });
+    const auto names = file_order(artifact.tensors);
+    const std::uint64_t length = header_text(artifact, names, blank_digests(names.size())).size();
+    seek(descriptor, sizeof(length) + length, path);
+    Digests digests;
+    parallel_tasks([&] { digests.payload = artifact.payload(); },
+                   [&] {
+                       for (const auto& name : names)
+                           write_all(descriptor, artifact.tensors.at(name).bytes, path);
+                       digests.checksum = checksums(artifact, names);
+                   });
+    fail_point("artifact_half_written", path);
+    const std::string text = header_text(artifact, names, digests);
+    assert(text.size() == length);
+    seek(descriptor, 0, path);
     write_all(descriptor, std::as_bytes(std::span(&length, 1)), path);
     write_all(descriptor, std::as_bytes(std::span(text)), path);
-    fail_point("artifact_half_written", path);
-    for (const auto& name : file_order(artifact.tensors))
-        write_all(descriptor, artifact.tensors.at(name).bytes, path);
     sync_file(temporary);
+    return digests.payload;
 }
 
-void write_artifact(const fs::path& path, const Artifact& artifact)
+std::string write_artifact(const fs::path& path, const Artifact& artifact)
 {
-    write_atomically(path, [&](const fs::path& temporary) { write_artifact_in_place(temporary, artifact, path); });
+    std::string payload;
+    write_atomically(path,
+                     [&](const fs::path& temporary) { payload = write_artifact_in_place(temporary, artifact, path); });
+    return payload;
 }
 
 } // namespace quoin

@@ -3,7 +3,9 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <vector>
 
@@ -27,6 +29,14 @@ void parallel_for(std::size_t count, const Body& body, std::size_t grain = 1)
     });
 }
 
+// Runs tasks that do not depend on each other.
+template <class... Tasks>
+void parallel_tasks(const Tasks&... tasks)
+{
+    const std::array<std::function<void()>, sizeof...(Tasks)> all{tasks...};
+    parallel_for(all.size(), [&](std::size_t i) { all[i](); });
+}
+
 // Folds chunks in order: result = combine(... combine(identity, chunk_0) ..., chunk_n), where chunk = map(begin, end).
 template <class Value, class Map, class Combine>
 Value parallel_reduce(std::size_t count, std::size_t grain, Value identity, const Map& map, const Combine& combine)
@@ -39,6 +49,35 @@ Value parallel_reduce(std::size_t count, std::size_t grain, Value identity, cons
     for (auto& value : partial)
         total = combine(std::move(total), std::move(value));
     return total;
+}
+
+// Does keep(i) hold for every i in [0, count)?
+template <class Keep>
+bool parallel_all_of(std::size_t count, std::size_t grain, const Keep& keep)
+{
+    const auto all = [&](std::size_t begin, std::size_t end) {
+        while (begin < end && keep(begin))
+            ++begin;
+        return std::uint8_t(begin == end);
+    };
+    return parallel_reduce(count, grain, std::uint8_t{1}, all, std::bit_and<std::uint8_t>()) != 0;
+}
+
+// The i in [0, count) for which keep(i) holds, ascending.
+template <class Index, class Keep>
+std::vector<Index> parallel_select(std::size_t count, std::size_t grain, const Keep& keep)
+{
+    const auto select = [&](std::size_t begin, std::size_t end) {
+        std::vector<Index> chosen;
+        for (; begin < end; ++begin)
+            if (keep(begin)) chosen.push_back(static_cast<Index>(begin));
+        return chosen;
+    };
+    const auto append = [](std::vector<Index> all, const std::vector<Index>& more) {
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    };
+    return parallel_reduce(count, grain, std::vector<Index>(), select, append);
 }
 
 } // namespace quoin

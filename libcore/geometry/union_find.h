@@ -16,6 +16,12 @@ public:
             i = parent_[i] = parent_[parent_[i]];
         return i;
     }
+    std::uint32_t root(std::uint32_t i) const // find(), for several threads at once
+    {
+        while (parent_[i] != i)
+            i = parent_[i];
+        return i;
+    }
     void join(std::uint32_t root, std::uint32_t child_root) { parent_[child_root] = root; }
     bool is_root(std::uint32_t i) const { return parent_[i] == i; }
 

@@ -9,6 +9,7 @@ namespace quoin {
 namespace {
 
 constexpr std::size_t kVertexGrain = 1 << 14; // [vertices]
+constexpr std::size_t kFaceGrain = 1 << 14;   // [faces]
 
 // The half-edges of every edge, by its smaller vertex. Meshes are in Morton order, so that a bucket's half-edges lie
 // near each other in memory; sorting keys of all edges costs several times as much.
@@ -93,6 +94,16 @@ std::vector<std::uint32_t> opposite_half_edges(const TriangleMesh& mesh)
         });
     });
     return opposite;
+}
+
+std::vector<FaceId> faces_that_may_repeat(const std::vector<std::uint32_t>& opposite)
+{
+    return parallel_select<FaceId>(opposite.size() / 3, kFaceGrain, [&](std::size_t f) {
+        const std::uint32_t a = opposite[3 * f], b = opposite[3 * f + 1], c = opposite[3 * f + 2];
+        if (a == kBorderEdge || b == kBorderEdge || c == kBorderEdge) return false;
+        const bool crowded = a == kNonManifoldEdge || b == kNonManifoldEdge || c == kNonManifoldEdge;
+        return crowded || (a / 3 == b / 3 && b / 3 == c / 3);
+    });
 }
 
 VertexFaces vertex_faces(const TriangleMesh& mesh)

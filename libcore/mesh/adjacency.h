@@ -19,6 +19,10 @@ inline bool is_half_edge(std::uint32_t opposite) { return opposite != kBorderEdg
 // kNonManifoldEdge when three or more faces share the edge.
 std::vector<std::uint32_t> opposite_half_edges(const TriangleMesh& mesh);
 
+// Faces that may have the same vertices as others, ascending: these share all their edges. opposite:
+// opposite_half_edges(mesh).
+std::vector<FaceId> faces_that_may_repeat(const std::vector<std::uint32_t>& opposite);
+
 // Faces around every vertex, ascending: faces of v are face[first[v]] .. face[first[v+1]-1].
 struct VertexFaces {
     std::vector<std::uint32_t> first; // V + 1

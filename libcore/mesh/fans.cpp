@@ -4,6 +4,7 @@
 #include "mesh/adjacency.h"
 
 #include <algorithm>
+#include <atomic>
 #include <utility>
 
 namespace quoin {
@@ -40,24 +41,27 @@ void for_fan(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposit
     if (!turn_about(mesh, opposite, v, corner, visit)) turn_about(mesh, opposite, v, in, visit);
 }
 
-// Of every vertex: does it have more than one fan?
-std::vector<std::uint8_t> touched_by_fans(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite)
+// Corners in the fan of some corner at each vertex, whichever it is: 1 for these. Where it is the only fan, all are.
+std::vector<std::uint8_t> corners_in_some_fan(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite)
 {
-    std::vector<std::uint32_t> corners(mesh.position.size(), 0), first(mesh.position.size(), kNoCorner);
-    for (std::uint32_t c = 0; c < opposite.size(); ++c) {
-        const VertexId v = mesh.face[c / 3][c % 3];
-        if (corners[v]++ == 0) first[v] = c;
-    }
-    std::vector<std::uint8_t> touched(mesh.position.size(), 0);
-    parallel_chunks(touched.size(), kFanGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t v = begin; v < end; ++v) {
-            if (corners[v] == 0) continue;
-            std::uint32_t reached = 1;
-            for_fan(mesh, opposite, first[v], [&](std::uint32_t) { ++reached; });
-            touched[v] = reached < corners[v] ? 1 : 0;
-        }
-    });
-    return touched;
+    std::vector<std::uint32_t> some_corner(mesh.position.size(), kNoCorner);
+    parallel_for(
+        opposite.size(),
+        [&](std::size_t c) {
+            std::atomic_ref(some_corner[mesh.face[c / 3][c % 3]])
+                .store(static_cast<std::uint32_t>(c), std::memory_order_relaxed);
+        },
+        kFanGrain);
+    std::vector<std::uint8_t> reached(opposite.size(), 0);
+    parallel_for(
+        some_corner.size(),
+        [&](std::size_t v) {
+            if (some_corner[v] == kNoCorner) return;
+            reached[some_corner[v]] = 1;
+            for_fan(mesh, opposite, some_corner[v], [&](std::uint32_t c) { reached[c] = 1; });
+        },
+        kFanGrain);
+    return reached;
 }
 
 struct VertexCorner {
@@ -66,14 +70,29 @@ struct VertexCorner {
     auto operator<=>(const VertexCorner&) const = default;
 };
 
+// Corners at vertices that have more than one fan, sorted.
+std::vector<VertexCorner> corners_of_touched(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite)
+{
+    const auto reached = corners_in_some_fan(mesh, opposite);
+    const auto vertex = [&](std::size_t c) { return mesh.face[c / 3][c % 3]; };
+    const auto beside =
+        parallel_select<std::uint32_t>(reached.size(), kFanGrain, [&](std::size_t c) { return reached[c] == 0; });
+    if (beside.empty()) return {};
+    std::vector<std::uint8_t> touched(mesh.position.size(), 0);
+    for (const std::uint32_t c : beside)
+        touched[vertex(c)] = 1;
+    std::vector<VertexCorner> corners;
+    for (const auto c : parallel_select<std::uint32_t>(reached.size(), kFanGrain,
+                                                       [&](std::size_t i) { return touched[vertex(i)] != 0; }))
+        corners.push_back({vertex(c), c});
+    std::ranges::sort(corners);
+    return corners;
+}
+
 // Corners of every fan, the smallest first, but of those whose smallest is the first at its vertex.
 std::vector<std::vector<std::uint32_t>> spare_fans(const TriangleMesh& mesh, const std::vector<std::uint32_t>& opposite)
 {
-    const auto touched = touched_by_fans(mesh, opposite);
-    std::vector<VertexCorner> corners; // of touched vertices
-    for (std::uint32_t c = 0; c < opposite.size(); ++c)
-        if (const VertexId v = mesh.face[c / 3][c % 3]; touched[v]) corners.push_back({v, c});
-    std::ranges::sort(corners);
+    const auto corners = corners_of_touched(mesh, opposite);
     std::vector<std::uint8_t> in_fan(corners.size(), 0);
     std::vector<std::vector<std::uint32_t>> fans;
     for (std::size_t i = 0; i < corners.size(); ++i) {

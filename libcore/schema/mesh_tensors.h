@@ -6,9 +6,9 @@
 
 namespace quoin {
 
-void add_mesh_tensors(Artifact& artifact, const TriangleMesh& mesh);
+void add_mesh_tensors(Artifact& artifact, TriangleMesh mesh);
 TriangleMesh read_mesh_tensors(const TensorReader& reader);
-void add_plane_mesh_tensors(Artifact& artifact, const PlaneMesh& mesh);
+void add_plane_mesh_tensors(Artifact& artifact, PlaneMesh mesh);
 PlaneMesh read_plane_mesh_tensors(const TensorReader& reader);
 
 } // namespace quoin

@@ -24,9 +24,9 @@ Metrics read_metrics(const std::filesystem::path& path);
 
 // The artifact without its provenance; the stage runner adds that and publishes it (stage/stage.h, Outputs::write).
 Artifact to_artifact(const Scan& scan);
-Artifact to_artifact(const TriangleMesh& mesh);
+Artifact to_artifact(TriangleMesh mesh);
 Artifact to_artifact(const Keyframes& keyframes);
-Artifact to_artifact(const PlaneMesh& mesh);
+Artifact to_artifact(PlaneMesh mesh);
 Artifact to_artifact(const LineMatches& lines);
 Artifact to_artifact(const Alignment& alignment);
 Artifact to_artifact(const TexturedMesh& mesh);

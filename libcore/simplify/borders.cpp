@@ -28,7 +28,8 @@ class BorderSimplifier {
 public:
     BorderSimplifier(const PlaneMesh& planes, Curves& curves, const SimplifyParams& params)
         : planes_(planes), curves_(curves), params_(params), mesh_(doubles(planes.mesh.position), planes.mesh.face),
-          fit_(planes, curves, mesh_.positions(), params), version_(curves.size(), 0)
+          fit_(planes, curves, mesh_.positions(), params), version_(curves.size(), 0), refused_(curves.size(), 0),
+          changed_(planes.mesh.position.size(), 0)
     {
         limits_ = {std::cos(radians(params.max_deviation)), std::cos(radians(params.max_turn)), params.min_shape};
         sum_quadrics();
@@ -52,6 +53,8 @@ private:
     void sum_quadrics();
     bool contract_all();
     void push(std::uint32_t first);
+    bool is_still_refused(std::uint32_t s, std::uint32_t t) const;
+    void note_change(VertexId v);
     bool try_contract(std::uint32_t s, std::uint32_t t);
     bool legal(std::uint32_t s, std::uint32_t t, const Eigen::Vector3d& x);
     void contract(std::uint32_t s, std::uint32_t t, const Eigen::Vector3d& x);
@@ -64,6 +67,9 @@ private:
     ShapeLimits limits_;
     std::vector<Quadric> quadric_;       // one per slot
     std::vector<std::uint32_t> version_; // one per slot
+    std::uint32_t now_ = 1;              // grows with every contraction
+    std::vector<std::uint32_t> refused_; // one per slot: when the edge that begins there was found to stay
+    std::vector<std::uint32_t> changed_; // V: when a face or a curve there changed
     std::priority_queue<BorderContraction, std::vector<BorderContraction>, std::greater<>> heap_;
     std::size_t remaining_ = 0; // edges of curves
     std::size_t keep_ = 0;      // of them at least
@@ -97,8 +103,9 @@ bool BorderSimplifier::contract_all()
     while (!heap_.empty() && remaining_ > keep_) {
         const BorderContraction best = heap_.top();
         heap_.pop();
-        if (version_[best.first] == best.first_version && version_[best.second] == best.second_version)
-            try_contract(best.first, best.second);
+        if (version_[best.first] != best.first_version || version_[best.second] != best.second_version) continue;
+        if (!is_still_refused(best.first, best.second) && !try_contract(best.first, best.second))
+            refused_[best.first] = now_;
     }
     heap_ = {};
     return remaining_ < before;
@@ -108,7 +115,37 @@ void BorderSimplifier::push(std::uint32_t first)
 {
     const std::uint32_t second = curves_.next[first];
     if (second == Curves::kNone || (corner(first) && corner(second))) return;
-    heap_.push({fit_.cost(first, second, quadric_), first, second, version_[first], version_[second]});
+    heap_.push({fit_.cost(first, second, fit_.target(first, second, quadric_), quadric_), first, second,
+                version_[first], version_[second]});
+}
+
+// Has nothing changed that was asked when the edge was refused: the faces around its ends and those beside these, and
+// the curve to both sides?
+bool BorderSimplifier::is_still_refused(std::uint32_t s, std::uint32_t t) const
+{
+    const std::uint32_t since = refused_[s];
+    if (since == 0) return false;
+    bool same = true;
+    const auto look_at = [&](std::uint32_t slot) { same = same && changed_[curves_.vertex[slot]] < since; };
+    for (std::uint32_t i = 0, slot = s; i < 2 && !corner(slot); ++i)
+        look_at(slot = curves_.previous[slot]);
+    for (std::uint32_t i = 0, slot = t; i < 2 && !corner(slot); ++i)
+        look_at(slot = curves_.next[slot]);
+    for (const std::uint32_t end : {s, t})
+        mesh_.for_each_face(curves_.vertex[end], [&](FaceId f) {
+            for (const VertexId v : mesh_.face(f))
+                same = same && changed_[v] < since;
+        });
+    return same;
+}
+
+// Of the faces of a vertex.
+void BorderSimplifier::note_change(VertexId v)
+{
+    mesh_.for_each_face(v, [&](FaceId f) {
+        for (const VertexId w : mesh_.face(f))
+            changed_[w] = now_;
+    });
 }
 
 bool BorderSimplifier::try_contract(std::uint32_t s, std::uint32_t t)
@@ -136,6 +173,9 @@ void BorderSimplifier::contract(std::uint32_t s, std::uint32_t t, const Eigen::V
 {
     const bool keep_second = corner(t);
     const std::uint32_t kept = keep_second ? t : s, gone = keep_second ? s : t;
+    for (const VertexId v : {curves_.vertex[kept], curves_.vertex[gone]})
+        note_change(v);
+    ++now_;
     mesh_.move(curves_.vertex[kept], x);
     mesh_.contract(curves_.vertex[kept], curves_.vertex[gone]);
     const std::uint32_t previous = curves_.previous[gone], next = curves_.next[gone];

@@ -9,6 +9,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 #include <optional>
@@ -18,8 +19,8 @@
 namespace quoin {
 namespace {
 
-constexpr std::size_t kVertexGrain = 1 << 14;
-constexpr std::uint64_t kNoCell = ~std::uint64_t{0}; // no hash: these have 32 bits
+constexpr std::size_t kGrain = 1 << 14;   // [vertices, faces]
+constexpr std::size_t kSlotsOfVertex = 8; // of a table of hashes: one vertex in so many is not alone by chance
 
 struct Cell {
     std::array<std::int64_t, 3> at{};
@@ -34,13 +35,13 @@ std::optional<Cell> cell_of(const TriangleMesh& mesh, VertexId v, double distanc
     return Cell{{std::llround(p.x()), std::llround(p.y()), std::llround(p.z())}, v};
 }
 
-// Spread evenly over 32 bits.
-std::uint64_t hash_of(const Cell& cell)
+// Spread evenly.
+std::uint32_t hash_of(const Cell& cell)
 {
     std::uint64_t hash = 0;
     for (const std::int64_t at : cell.at)
         hash = (hash ^ static_cast<std::uint64_t>(at)) * 0x9e3779b97f4a7c15u;
-    return hash >> 32;
+    return static_cast<std::uint32_t>(hash >> 32);
 }
 
 // Names the vertices of each cell after the first of them.
@@ -52,21 +53,41 @@ void name_by_cell(std::vector<Cell>& cells, std::vector<VertexId>& name)
         if (cells[i].at == cells[i - 1].at) name[cells[i].vertex] = name[cells[i - 1].vertex];
 }
 
+// Of every vertex the hash of its cell.
+std::vector<std::uint32_t> cell_hashes(const TriangleMesh& mesh, double distance)
+{
+    std::vector<std::uint32_t> hash(mesh.position.size());
+    parallel_for(
+        hash.size(),
+        [&](std::size_t v) {
+            const auto cell = cell_of(mesh, static_cast<VertexId>(v), distance);
+            hash[v] = cell ? hash_of(*cell) : 0;
+        },
+        kGrain);
+    return hash;
+}
+
+// Vertices whose hash ends like that of another one: those that share a cell, and a few that do not.
+std::vector<VertexId> not_alone(const std::vector<std::uint32_t>& hash)
+{
+    const std::size_t mask = std::bit_ceil(kSlotsOfVertex * hash.size() + 1) - 1;
+    std::vector<bool> seen(mask + 1), seen_again(mask + 1); // bits, for all of it is looked at in no order
+    for (const std::uint32_t h : hash) {
+        if (seen[h & mask]) seen_again[h & mask] = true;
+        seen[h & mask] = true;
+    }
+    return parallel_select<VertexId>(hash.size(), kGrain, [&](std::size_t v) { return seen_again[hash[v] & mask]; });
+}
+
 // For every vertex the smallest id in its grid cell.
 std::vector<VertexId> weld_map(const TriangleMesh& mesh, double distance)
 {
     std::vector<VertexId> name(mesh.position.size());
     std::iota(name.begin(), name.end(), 0u);
-    std::vector<Keyed> keys(name.size());
-    parallel_for(
-        keys.size(),
-        [&](std::size_t i) {
-            const auto v = static_cast<VertexId>(i);
-            const auto cell = cell_of(mesh, v, distance);
-            keys[i] = {cell ? hash_of(*cell) : kNoCell, v};
-        },
-        kVertexGrain);
-    std::erase_if(keys, [](const Keyed& key) { return key.key == kNoCell; });
+    const auto hash = cell_hashes(mesh, distance);
+    std::vector<Keyed> keys;
+    for (const VertexId v : not_alone(hash))
+        if (cell_of(mesh, v, distance)) keys.push_back({hash[v], v});
     radix_sort(keys);
     std::vector<Cell> cells;
     for (std::size_t begin = 0, end = 0; begin < keys.size(); begin = end) {
@@ -96,6 +117,7 @@ bool usable(const TriangleMesh& mesh, const Face& face)
 template <class Keep>
 void keep_faces(PlaneMesh& mesh, const Keep& keep)
 {
+    if (parallel_all_of(mesh.mesh.face.size(), kGrain, keep)) return;
     std::size_t count = 0;
     for (FaceId f = 0; f < mesh.mesh.face.size(); ++f) {
         if (!keep(f)) continue;
@@ -118,17 +140,6 @@ std::vector<std::uint8_t> repeated_faces(const TriangleMesh& mesh)
         }
     }
     return repeated;
-}
-
-// Two faces with the same vertices share all their edges.
-bool may_repeat_faces(const std::vector<std::uint32_t>& opposite)
-{
-    for (std::size_t h = 0; h < opposite.size(); h += 3) {
-        const std::uint32_t a = opposite[h], b = opposite[h + 1], c = opposite[h + 2];
-        if (a == kNonManifoldEdge || b == kNonManifoldEdge || c == kNonManifoldEdge) return true;
-        if (is_half_edge(a) && is_half_edge(b) && is_half_edge(c) && a / 3 == b / 3 && b / 3 == c / 3) return true;
-    }
-    return false;
 }
 
 // An edge of a face as it is sorted: faces of one edge side by side, those of one plane next to each other.
@@ -284,19 +295,23 @@ std::vector<std::uint32_t> clean_input(PlaneMesh& mesh, const SimplifyParams& pa
 {
     if (params.weld_distance > 0.0) {
         const auto name = weld_map(mesh.mesh, params.weld_distance);
-        for (auto& face : mesh.mesh.face)
-            for (auto& v : face)
-                v = name[v];
+        parallel_for(
+            mesh.mesh.face.size(),
+            [&](std::size_t f) {
+                for (auto& v : mesh.mesh.face[f])
+                    v = name[v];
+            },
+            kGrain);
     }
-    keep_faces(mesh, [&](FaceId f) { return usable(mesh.mesh, mesh.mesh.face[f]); });
+    keep_faces(mesh, [&](std::size_t f) { return usable(mesh.mesh, mesh.mesh.face[f]); });
     mesh.mesh.normal.clear();
     auto opposite = opposite_half_edges(mesh.mesh);
-    if (may_repeat_faces(opposite)) {
+    if (!faces_that_may_repeat(opposite).empty()) {
         const auto repeated = repeated_faces(mesh.mesh);
-        keep_faces(mesh, [&](FaceId f) { return repeated[f] == 0; });
+        keep_faces(mesh, [&](std::size_t f) { return repeated[f] == 0; });
         opposite = opposite_half_edges(mesh.mesh);
     }
-    if (std::ranges::find(opposite, kNonManifoldEdge) == opposite.end()) {
+    if (parallel_all_of(opposite.size(), kGrain, [&](std::size_t h) { return opposite[h] != kNonManifoldEdge; })) {
         split_touching_fans(mesh.mesh, opposite);
         return opposite;
     }

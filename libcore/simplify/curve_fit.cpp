@@ -21,11 +21,11 @@ Eigen::Vector3d offset_from_segment(const Eigen::Vector3d& p, const Eigen::Vecto
 
 } // namespace
 
-std::vector<Plane> CurveFit::planes_of(const Curve& curve) const
+CurveFit::OneOrTwoPlanes CurveFit::planes_of(const Curve& curve) const
 {
-    std::vector<Plane> planes{planes_.plane[curve.planes[0]]};
-    if (curve.planes[1] != kNoPlane) planes.push_back(planes_.plane[curve.planes[1]]);
-    return planes;
+    const Plane& first = planes_.plane[curve.planes[0]];
+    if (curve.planes[1] == kNoPlane) return {{first, first}, 1};
+    return {{first, planes_.plane[curve.planes[1]]}, 2};
 }
 
 void CurveFit::add_quadrics(const Curve& c, std::vector<Quadric>& quadric) const
@@ -40,7 +40,7 @@ void CurveFit::add_quadrics(const Curve& c, std::vector<Quadric>& quadric) const
         const double weight = 0.5 * edge.squaredNorm();
         if (weight > 0.0) {
             Quadric q = Quadric::of_line(a, edge.normalized(), params_.line_weight * weight);
-            for (const auto& plane : planes)
+            for (const Plane& plane : std::span<const Plane>(planes))
                 q += Quadric::of_plane(plane, params_.plane_weight * weight);
             quadric[owner] += q + Quadric::of_point(a, params_.point_weight * weight);
             quadric[curves_.left(t) ? t : owner] +=
@@ -60,9 +60,9 @@ Eigen::Vector3d CurveFit::target(std::uint32_t s, std::uint32_t t, const std::ve
     return line.rank == 2 && (line.point - x).norm() <= params_.snap_distance ? line.point : x;
 }
 
-double CurveFit::cost(std::uint32_t s, std::uint32_t t, const std::vector<Quadric>& quadric) const
+double CurveFit::cost(std::uint32_t s, std::uint32_t t, const Eigen::Vector3d& x,
+                      const std::vector<Quadric>& quadric) const
 {
-    const Eigen::Vector3d x = target(s, t, quadric);
     const double cost = (corner(s) ? 0.0 : quadric[s](x)) + (corner(t) ? 0.0 : quadric[t](x));
     return std::max(cost, 0.0);
 }

@@ -25,16 +25,21 @@ public:
 
     // Adds those of a curve's dense edges to the slots that are left.
     void add_quadrics(const Curve& curve, std::vector<Quadric>& quadric) const;
-    // Where s and t go when they become one, and what that costs.
+    // Where s and t go when they become one, and what it costs to go to x.
     Eigen::Vector3d target(std::uint32_t s, std::uint32_t t, const std::vector<Quadric>& quadric) const;
-    double cost(std::uint32_t s, std::uint32_t t, const std::vector<Quadric>& quadric) const;
+    double cost(std::uint32_t s, std::uint32_t t, const Eigen::Vector3d& x, const std::vector<Quadric>& quadric) const;
 
     // Is every dense point between the neighbours of s and t near the polyline with x in their place? `tolerance`, one
     // a slot, scales the bounds; nullptr = 1.
     bool fits(std::uint32_t s, std::uint32_t t, const Eigen::Vector3d& x, const std::vector<float>* tolerance) const;
 
 private:
-    std::vector<Plane> planes_of(const Curve& curve) const;
+    struct OneOrTwoPlanes {
+        std::array<Plane, 2> plane;
+        std::size_t count = 0;
+        operator std::span<const Plane>() const { return {plane.data(), count}; }
+    };
+    OneOrTwoPlanes planes_of(const Curve& curve) const;
     bool within_error(const Eigen::Vector3d& offset, const Curve& curve, double tolerance) const;
 
     const PlaneMesh& planes_;

@@ -1,6 +1,7 @@
 #include "simplify/curves.h"
 
 #include "base/parallel.h"
+#include "geometry/radix_sort.h"
 #include "mesh/adjacency.h"
 
 #include <algorithm>
@@ -9,6 +10,7 @@ namespace quoin {
 namespace {
 
 constexpr std::size_t kHalfEdgeGrain = 1 << 16;
+constexpr std::size_t kBorderEdgeGrain = 1 << 12;
 
 struct BorderEdge {
     std::array<VertexId, 2> end{};
@@ -30,32 +32,31 @@ BorderEdge border_edge(const PlaneMesh& mesh, const std::vector<std::uint32_t>& 
 
 // Border edges at every vertex that has some.
 struct EdgesAt {
-    std::vector<VertexId> vertex;           // ascending
-    std::vector<std::uint32_t> first, edge; // by vertex, ascending
+    std::vector<VertexId> vertex;                    // ascending
+    std::vector<std::uint32_t> first, edge;          // by vertex, ascending
+    std::vector<std::array<std::uint32_t, 2>> place; // of an edge's ends among the vertices
 
-    explicit EdgesAt(const std::vector<BorderEdge>& edges)
+    explicit EdgesAt(const std::vector<BorderEdge>& edges) : place(edges.size())
     {
-        std::vector<std::array<std::uint32_t, 2>> ends; // vertex, edge
+        std::vector<Keyed> ends;
         ends.reserve(2 * edges.size());
         for (std::uint32_t e = 0; e < edges.size(); ++e)
             for (const VertexId v : edges[e].end)
                 ends.push_back({v, e});
-        std::sort(ends.begin(), ends.end());
-        for (const auto& [v, e] : ends) {
+        radix_sort(ends);
+        edge.reserve(ends.size());
+        for (const auto& [key, e] : ends) {
+            const auto v = static_cast<VertexId>(key);
             if (vertex.empty() || vertex.back() != v) {
                 vertex.push_back(v);
                 first.push_back(static_cast<std::uint32_t>(edge.size()));
             }
+            place[e][edges[e].end[0] == v ? 0 : 1] = static_cast<std::uint32_t>(vertex.size() - 1);
             edge.push_back(e);
         }
         first.push_back(static_cast<std::uint32_t>(edge.size()));
     }
 
-    std::span<const std::uint32_t> of(VertexId v) const
-    {
-        const auto i = static_cast<std::size_t>(std::lower_bound(vertex.begin(), vertex.end(), v) - vertex.begin());
-        return at(i);
-    }
     std::span<const std::uint32_t> at(std::size_t i) const { return {edge.data() + first[i], first[i + 1] - first[i]}; }
 };
 
@@ -97,7 +98,7 @@ private:
             }
             add(v);
             if (mesh_.vertex_class[v] != VertexClass::Border) break;
-            const auto edges = at_.of(v);
+            const auto edges = at_.at(at_.place[edge][edges_[edge].end[0] == v ? 0 : 1]);
             edge = edges[0] == edge ? edges[1] : edges[0];
         }
         curve.count = static_cast<std::uint32_t>(curves_.size()) - curve.first;
@@ -152,30 +153,18 @@ void Curves::restore(Curve& c)
 
 std::vector<std::uint32_t> border_half_edges(const PlaneMesh& mesh, const std::vector<std::uint32_t>& opposite)
 {
-    using HalfEdges = std::vector<std::uint32_t>;
-    const auto find = [&](std::size_t begin, std::size_t end) {
-        HalfEdges border;
-        for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
-            const std::uint32_t o = opposite[h];
-            if (o == kBorderEdge || (is_half_edge(o) && h < o && mesh.face_plane[h / 3] != mesh.face_plane[o / 3]))
-                border.push_back(h);
-        }
-        return border;
-    };
-    const auto append = [](HalfEdges all, const HalfEdges& more) {
-        all.insert(all.end(), more.begin(), more.end());
-        return all;
-    };
-    return parallel_reduce(opposite.size(), kHalfEdgeGrain, HalfEdges(), find, append);
+    return parallel_select<std::uint32_t>(opposite.size(), kHalfEdgeGrain, [&](std::size_t h) {
+        const std::uint32_t o = opposite[h];
+        return o == kBorderEdge || (is_half_edge(o) && h < o && mesh.face_plane[h / 3] != mesh.face_plane[o / 3]);
+    });
 }
 
 Curves trace_curves(const PlaneMesh& mesh, const std::vector<std::uint32_t>& opposite,
                     std::span<const std::uint32_t> border)
 {
-    std::vector<BorderEdge> edges;
-    edges.reserve(border.size());
-    for (const std::uint32_t h : border)
-        edges.push_back(border_edge(mesh, opposite, h));
+    std::vector<BorderEdge> edges(border.size());
+    parallel_for(
+        edges.size(), [&](std::size_t e) { edges[e] = border_edge(mesh, opposite, border[e]); }, kBorderEdgeGrain);
     return Tracer(mesh, std::move(edges)).trace();
 }
 

@@ -43,20 +43,23 @@ PlaneOutline Outlines::of(PlaneId p, const std::vector<Eigen::Vector3d>& positio
             if (s == curve.head) break;
         }
     }
+    std::vector<std::uint64_t> uses; // a vertex and which of the ends it is
+    uses.reserve(2 * ends.size());
     for (const auto& [a, b] : ends)
-        result.vertex.insert(result.vertex.end(), {a, b});
-    std::sort(result.vertex.begin(), result.vertex.end());
-    result.vertex.erase(std::unique(result.vertex.begin(), result.vertex.end()), result.vertex.end());
+        for (const VertexId v : {a, b})
+            uses.push_back((std::uint64_t{v} << 32) | uses.size());
+    std::sort(uses.begin(), uses.end());
+    result.outline.segment.resize(ends.size());
+    for (const std::uint64_t use : uses) {
+        const auto v = static_cast<VertexId>(use >> 32);
+        const auto end = static_cast<std::uint32_t>(use);
+        if (result.vertex.empty() || result.vertex.back() != v) result.vertex.push_back(v);
+        result.outline.segment[end / 2][end % 2] = static_cast<std::uint32_t>(result.vertex.size() - 1);
+    }
     if (result.vertex.empty()) return result;
     const PlaneFrame frame(planes_.plane[p], position[result.vertex.front()]);
     for (const VertexId v : result.vertex)
         result.outline.point.push_back(frame(position[v]));
-    const auto local = [&](VertexId v) {
-        return static_cast<std::uint32_t>(std::lower_bound(result.vertex.begin(), result.vertex.end(), v) -
-                                          result.vertex.begin());
-    };
-    for (const auto& [a, b] : ends)
-        result.outline.segment.push_back({local(a), local(b)});
     return result;
 }
 

@@ -16,12 +16,13 @@
 namespace quoin {
 namespace {
 
-void give_up_bent_zones(Zones& zones, const SimplifyParams& params)
+// Those too far from their planes, and those whose borders run both ways.
+void give_up_bent_zones(Zones& zones, const Curves& borders, const SimplifyParams& params)
 {
     for (PlaneId z = 0; z < zones.size(); ++z)
         if (params.max_inner_error > 0.0 && rms_to_plane(zones.moments(z), zones.plane(z)) > params.max_inner_error)
             zones.give_up(z);
-    for (const ZonePart part = zones.part(); const Curve& curve : part.curves.curve)
+    for (const Curve& curve : borders.curve)
         for (std::size_t k = 0; k < 2; ++k)
             if (curve.planes[k] != kNoPlane && curve.runs[k] == 0) zones.give_up(curve.planes[k]);
 }
@@ -78,16 +79,19 @@ PlaneMesh remesh(PlaneMesh mesh, std::vector<std::uint32_t> opposite, const Simp
 {
     Zones zones(std::move(mesh), std::move(opposite));
     zones.absorb_islands(params);
-    give_up_bent_zones(zones, params);
+    ZonePart part = zones.part();
+    give_up_bent_zones(zones, part.curves, params);
     Settled settled(zones.mesh().mesh.position);
     while (true) { // in every turn flat zones lose faces, or are given up; without any this is the method qem
-        Remesher remesher(zones, zones.part(), settled, params);
+        zones.add_rough_edges(part);
+        Remesher remesher(zones, std::move(part), settled, params);
         const bool done = remesher.run();
         remesher.settle(settled);
         if (done) break;
         zones.cut(remesher.failures(), params);
         for (PlaneId z = 0; z < settled.face.size(); ++z)
             if (zones.pending(z)) settled.face[z].clear();
+        part = zones.part();
     }
     log_info(fmt::format("{} pieces of planes are filled anew, {} pieces and knots are contracted",
                          zones.size() - zones.rough_count(), zones.rough_count()));

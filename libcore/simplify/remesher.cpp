@@ -17,7 +17,7 @@ namespace {
 // is put back. What crosses even then is a knot of the dense border itself, to be jumped over.
 constexpr std::array<float, 6> kTolerances{1.0f, 0.4f, 0.15f, 0.05f, 0.0f, 4.0f};
 constexpr std::uint8_t kReleased = 3;
-constexpr std::size_t kPlaneGrain = 8; // [planes]
+constexpr std::size_t kPlaneGrain = 2; // [planes]
 
 // Of curves that do not move: what they lie at, settled zones or faces of the dense mesh.
 constexpr std::uint8_t kSettled = 1, kDense = 2;

@@ -1,6 +1,7 @@
 #include "simplify/snap.h"
 
 #include "base/parallel.h"
+#include "geometry/radix_sort.h"
 #include "geometry/units.h"
 #include "mesh/adjacency.h"
 #include "mesh/creases.h"
@@ -8,7 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <set>
 
 namespace quoin {
 namespace {
@@ -57,15 +58,20 @@ struct PlaneUse {
 // Planes at the vertices of curves and of the faces of `part`, sorted, each once.
 std::vector<PlaneUse> plane_uses(const Curves& curves, const PlaneMesh& part)
 {
-    std::vector<PlaneUse> uses;
+    std::vector<Keyed> keys;
+    const auto add = [&](VertexId v, PlaneId p) { keys.push_back({(std::uint64_t{v} << 32) | p, 0}); };
     for (std::uint32_t s = 0; s < curves.size(); ++s)
         for (const PlaneId p : curves.curve[curves.curve_of[s]].planes)
-            if (p != kNoPlane) uses.push_back({curves.vertex[s], p});
+            if (p != kNoPlane) add(curves.vertex[s], p);
     for (FaceId f = 0; f < part.mesh.face.size(); ++f)
         for (const VertexId v : part.mesh.face[f])
-            uses.push_back({v, part.face_plane[f]});
-    std::sort(uses.begin(), uses.end());
-    uses.erase(std::unique(uses.begin(), uses.end()), uses.end());
+            add(v, part.face_plane[f]);
+    radix_sort(keys);
+    std::vector<PlaneUse> uses;
+    for (const auto& [key, item] : keys) {
+        const PlaneUse use{static_cast<VertexId>(key >> 32), static_cast<PlaneId>(key)};
+        if (uses.empty() || uses.back() != use) uses.push_back(use);
+    }
     return uses;
 }
 
@@ -76,28 +82,26 @@ void trim_ears(PlaneMesh& mesh, const std::vector<std::uint32_t>& opposite, cons
     std::vector<std::size_t> size(mesh.plane.size(), 0);
     for (const PlaneId p : mesh.face_plane)
         ++size[p];
-    std::vector<std::uint8_t> stirred(mesh.mesh.face.size()); // may it be an ear?
-    parallel_for(
-        stirred.size(),
-        [&](std::size_t f) {
-            stirred[f] = plane_behind_ear(mesh, opposite, static_cast<FaceId>(f)) == kNoPlane ? 0 : 1;
-        },
-        kSnapGrain);
-    // Every ear that goes over shortens the borders by an edge, so this ends.
-    for (bool changed = true; changed;) {
-        changed = false;
-        for (FaceId f = 0; f < mesh.mesh.face.size(); ++f) {
-            if (std::exchange(stirred[f], std::uint8_t{0}) == 0) continue;
-            const PlaneId plane = plane_behind_ear(mesh, opposite, f);
-            if (plane == kNoPlane || size[mesh.face_plane[f]] < 2) continue;
-            if (!explained_by(mesh, f, mesh.plane[plane], params.snap_distance)) continue;
+    const auto may_be_ears = parallel_select<FaceId>(mesh.mesh.face.size(), kSnapGrain, [&](std::size_t f) {
+        return plane_behind_ear(mesh, opposite, static_cast<FaceId>(f)) != kNoPlane;
+    });
+    std::set<FaceId> stirred(may_be_ears.begin(), may_be_ears.end());
+    // Every ear that goes over shortens the borders by an edge, so this ends. From the first face to the last, and
+    // again.
+    for (auto next = stirred.begin(); !stirred.empty();) {
+        const FaceId f = *next;
+        stirred.erase(next);
+        const PlaneId plane = plane_behind_ear(mesh, opposite, f);
+        if (plane != kNoPlane && size[mesh.face_plane[f]] > 1 &&
+            explained_by(mesh, f, mesh.plane[plane], params.snap_distance)) {
             --size[mesh.face_plane[f]];
             ++size[plane];
             mesh.face_plane[f] = plane;
             for (std::uint32_t k = 0; k < 3; ++k)
-                if (const std::uint32_t o = opposite[3 * f + k]; is_half_edge(o)) stirred[o / 3] = 1;
-            changed = true;
+                if (const std::uint32_t o = opposite[3 * f + k]; is_half_edge(o)) stirred.insert(o / 3);
         }
+        next = stirred.upper_bound(f);
+        if (next == stirred.end()) next = stirred.begin();
     }
 }
 
@@ -117,13 +121,17 @@ void snap_curves(const Curves& curves, PlaneMesh& part, const SimplifyParams& pa
     if (params.snap_distance <= 0.0) return;
     const auto uses = plane_uses(curves, part);
     const auto before = part.mesh.position;
-    std::vector<PlaneId> planes;
-    for (std::size_t begin = 0, end = 0; begin < uses.size(); begin = end) {
-        planes.clear();
-        for (end = begin; end < uses.size() && uses[end].vertex == uses[begin].vertex; ++end)
-            planes.push_back(uses[end].plane);
-        snap(part, uses[begin].vertex, planes, params);
-    }
+    parallel_for(
+        uses.size(),
+        [&](std::size_t i) {
+            const VertexId v = uses[i].vertex;
+            if (i > 0 && uses[i - 1].vertex == v) return; // its first use stands for all
+            std::vector<PlaneId> planes;
+            for (; i < uses.size() && uses[i].vertex == v; ++i)
+                planes.push_back(uses[i].plane);
+            snap(part, v, planes, params);
+        },
+        kSnapGrain);
     if (!part.mesh.face.empty()) hold_back_flips(part, before, {.min_cosine = std::cos(radians(params.max_deviation))});
 }
 

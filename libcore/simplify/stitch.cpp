@@ -1,10 +1,15 @@
 #include "simplify/stitch.h"
 
+#include "base/parallel.h"
+#include "mesh/adjacency.h"
+
 #include <algorithm>
 #include <tuple>
 
 namespace quoin {
 namespace {
+
+constexpr std::size_t kStitchGrain = 1 << 14; // [half-edges]
 
 struct EdgeUse {
     VertexId low = 0, high = 0;
@@ -13,15 +18,16 @@ struct EdgeUse {
     bool same_edge(const EdgeUse& other) const { return low == other.low && high == other.high; }
 };
 
-std::vector<EdgeUse> sorted_edges(const PlaneMesh& mesh)
+// Those of edges with three or more faces.
+std::vector<EdgeUse> sorted_crowded_edges(const TriangleMesh& mesh, const std::vector<PlaneId>& face_plane)
 {
+    const auto opposite = opposite_half_edges(mesh);
     std::vector<EdgeUse> edges;
-    edges.reserve(3 * mesh.mesh.face.size());
-    for (FaceId f = 0; f < mesh.mesh.face.size(); ++f)
-        for (std::size_t k = 0; k < 3; ++k) {
-            const auto [low, high] = std::minmax(mesh.mesh.face[f][k], mesh.mesh.face[f][(k + 1) % 3]);
-            edges.push_back({low, high, mesh.face_plane[f], f});
-        }
+    for (const auto h : parallel_select<std::uint32_t>(
+             opposite.size(), kStitchGrain, [&](std::size_t i) { return opposite[i] == kNonManifoldEdge; })) {
+        const auto [low, high] = std::minmax(mesh.face[h / 3][h % 3], mesh.face[h / 3][(h % 3 + 1) % 3]);
+        edges.push_back({low, high, face_plane[h / 3], h / 3});
+    }
     std::sort(edges.begin(), edges.end(), [](const EdgeUse& a, const EdgeUse& b) {
         return std::tie(a.low, a.high, a.plane, a.face) < std::tie(b.low, b.high, b.plane, b.face);
     });
@@ -83,12 +89,11 @@ struct Chord {
 // there.
 std::vector<Chord> surplus_chords(const PlaneMesh& mesh)
 {
-    const auto edges = sorted_edges(mesh);
+    const auto edges = sorted_crowded_edges(mesh.mesh, mesh.face_plane);
     std::vector<Chord> surplus;
     for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
         for (end = begin + 1; end < edges.size() && edges[end].same_edge(edges[begin]);)
             ++end;
-        if (end - begin <= 2) continue;
         std::vector<Chord> chords;
         bool others = false;
         for (std::size_t i = begin; i < end; ++i) {
@@ -115,7 +120,7 @@ std::vector<FaceId> faces_of(const PlaneMesh& mesh, PlaneId plane)
 void split_repeated_faces(PlaneMesh& mesh)
 {
     std::vector<std::pair<Face, FaceId>> faces;
-    for (FaceId f = 0; f < mesh.mesh.face.size(); ++f) {
+    for (const FaceId f : faces_that_may_repeat(opposite_half_edges(mesh.mesh))) {
         Face ids = mesh.mesh.face[f];
         std::sort(ids.begin(), ids.end());
         faces.emplace_back(ids, f);

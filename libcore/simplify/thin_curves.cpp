@@ -9,7 +9,8 @@
 namespace quoin {
 namespace {
 
-constexpr std::size_t kCurveGrain = 16; // [curves]
+constexpr std::size_t kCurveGrain = 4;  // [curves]
+constexpr std::size_t kCostGrain = 256; // [edges]
 
 struct CurveContraction {
     double cost = 0.0;
@@ -23,10 +24,14 @@ struct CurveContraction {
 };
 
 class OneCurveThinner {
+    using Heap = std::priority_queue<CurveContraction, std::vector<CurveContraction>, std::greater<>>;
+
 public:
     OneCurveThinner(const CurveFit& fit, const CurveBounds& bounds, std::vector<Quadric>& quadric,
-                    std::vector<std::uint32_t>& version, Curves& curves, std::vector<Eigen::Vector3d>& position)
-        : fit_(fit), bounds_(bounds), quadric_(quadric), version_(version), curves_(curves), position_(position)
+                    std::vector<Eigen::Vector3d>& target, std::vector<std::uint32_t>& version, Curves& curves,
+                    std::vector<Eigen::Vector3d>& position)
+        : fit_(fit), bounds_(bounds), quadric_(quadric), target_(target), version_(version), curves_(curves),
+          position_(position)
     {
     }
 
@@ -58,7 +63,7 @@ private:
 
     void join_all(Curve& curve, std::size_t least_edges)
     {
-        for_each_edge(curve, [&](std::uint32_t s) { push(s); });
+        push_all(curve);
         while (!heap_.empty() && edges_ > least_edges) {
             const CurveContraction best = heap_.top();
             heap_.pop();
@@ -68,16 +73,42 @@ private:
         heap_ = {};
     }
 
-    void push(std::uint32_t first)
+    // Those of one long curve in parallel: few others are left when its turn comes again and again.
+    void push_all(const Curve& curve)
+    {
+        std::vector<CurveContraction> all;
+        for_each_edge(curve, [&](std::uint32_t s) {
+            if (may_join(s)) all.push_back({0.0, s, curves_.next[s], version_[s], version_[curves_.next[s]]});
+        });
+        parallel_for(
+            all.size(), [&](std::size_t i) { all[i].cost = evaluate(all[i].first); }, kCostGrain);
+        heap_ = Heap(std::greater<>(), std::move(all));
+    }
+
+    bool may_join(std::uint32_t first) const
     {
         const std::uint32_t second = curves_.next[first];
-        if (second == Curves::kNone || (fit_.corner(first) && fit_.corner(second))) return;
-        heap_.push({fit_.cost(first, second, quadric_), first, second, version_[first], version_[second]});
+        return second != Curves::kNone && !(fit_.corner(first) && fit_.corner(second));
+    }
+
+    // Finds where the ends of an edge go when they are joined. Returns what that costs.
+    double evaluate(std::uint32_t first)
+    {
+        const std::uint32_t second = curves_.next[first];
+        target_[first] = fit_.target(first, second, quadric_);
+        return fit_.cost(first, second, target_[first], quadric_);
+    }
+
+    void push(std::uint32_t first)
+    {
+        if (!may_join(first)) return;
+        const std::uint32_t second = curves_.next[first];
+        heap_.push({evaluate(first), first, second, version_[first], version_[second]});
     }
 
     void try_join(Curve& curve, std::uint32_t s, std::uint32_t t)
     {
-        for (const Eigen::Vector3d& x : {fit_.target(s, t, quadric_), fit_.position(s), fit_.position(t)}) {
+        for (const Eigen::Vector3d& x : {target_[s], fit_.position(s), fit_.position(t)}) {
             const bool moves_corner =
                 (fit_.corner(s) && x != fit_.position(s)) || (fit_.corner(t) && x != fit_.position(t));
             if (moves_corner || !fit_.fits(s, t, x, &bounds_.tolerance)) continue;
@@ -105,11 +136,12 @@ private:
 
     const CurveFit& fit_;
     const CurveBounds& bounds_;
-    std::vector<Quadric>& quadric_;       // one per slot
-    std::vector<std::uint32_t>& version_; // one per slot
+    std::vector<Quadric>& quadric_;        // one per slot
+    std::vector<Eigen::Vector3d>& target_; // one per slot, of the edge that begins there
+    std::vector<std::uint32_t>& version_;  // one per slot
     Curves& curves_;
     std::vector<Eigen::Vector3d>& position_;
-    std::priority_queue<CurveContraction, std::vector<CurveContraction>, std::greater<>> heap_;
+    Heap heap_;
     std::size_t edges_ = 0; // left
 };
 
@@ -118,14 +150,14 @@ private:
 CurveThinner::CurveThinner(const PlaneMesh& planes, Curves& curves, std::vector<Eigen::Vector3d>& position,
                            const SimplifyParams& params)
     : curves_(curves), position_(position), fit_(planes, curves, position, params), quadric_(curves.size()),
-      version_(curves.size(), 0)
+      target_(curves.size()), version_(curves.size(), 0)
 {
 }
 
 void CurveThinner::thin(std::span<const CurveId> which, const CurveBounds& bounds)
 {
     parallel_chunks(which.size(), kCurveGrain, [&](std::size_t begin, std::size_t end) {
-        OneCurveThinner thinner(fit_, bounds, quadric_, version_, curves_, position_);
+        OneCurveThinner thinner(fit_, bounds, quadric_, target_, version_, curves_, position_);
         for (std::size_t i = begin; i < end; ++i)
             thinner.run(which[i]);
     });

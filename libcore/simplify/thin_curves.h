@@ -29,8 +29,9 @@ private:
     Curves& curves_;
     std::vector<Eigen::Vector3d>& position_;
     const CurveFit fit_;
-    std::vector<Quadric> quadric_;       // one per slot; each curve touches its own
-    std::vector<std::uint32_t> version_; // one per slot
+    std::vector<Quadric> quadric_;        // one per slot; each curve touches its own
+    std::vector<Eigen::Vector3d> target_; // one per slot, of the edge that begins there
+    std::vector<std::uint32_t> version_;  // one per slot
 };
 
 } // namespace quoin

@@ -1,5 +1,7 @@
 #include "simplify/triangulate.h"
 
+#include "base/parallel.h"
+
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_face_base_with_info_2.h>
@@ -8,10 +10,12 @@
 #include <CGAL/intersections.h>
 
 #include <algorithm>
-#include <numeric>
+#include <utility>
 
 namespace quoin {
 namespace {
+
+constexpr std::size_t kSegmentGrain = 256;
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 enum class Side : std::uint8_t { Unknown, Inside, Outside };
@@ -144,34 +148,48 @@ std::vector<Face> inside_faces(const Triangulation& triangulation)
     return faces;
 }
 
+struct Extent {
+    double low_x, high_x, low_y, high_y;
+    std::uint32_t segment;
+};
+
+// From left to right.
+std::vector<Extent> sorted_extents(const Outline& outline)
+{
+    std::vector<Extent> extents;
+    extents.reserve(outline.segment.size());
+    for (std::uint32_t i = 0; i < outline.segment.size(); ++i) {
+        const auto &p = outline.point[outline.segment[i][0]], &q = outline.point[outline.segment[i][1]];
+        extents.push_back(
+            {std::min(p.x(), q.x()), std::max(p.x(), q.x()), std::min(p.y(), q.y()), std::max(p.y(), q.y()), i});
+    }
+    std::ranges::sort(extents, {}, [](const Extent& e) { return std::pair(e.low_x, e.segment); });
+    return extents;
+}
+
 } // namespace
 
 std::vector<std::array<std::uint32_t, 2>> crossings(const Outline& outline)
 {
-    struct Extent {
-        double low_x, high_x, low_y, high_y;
-    };
-    std::vector<Extent> extent;
-    for (const auto& [a, b] : outline.segment) {
-        const auto &p = outline.point[a], &q = outline.point[b];
-        extent.push_back(
-            {std::min(p.x(), q.x()), std::max(p.x(), q.x()), std::min(p.y(), q.y()), std::max(p.y(), q.y())});
-    }
-    std::vector<std::uint32_t> order(extent.size());
-    std::iota(order.begin(), order.end(), 0u);
-    std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
-        return std::pair(extent[i].low_x, i) < std::pair(extent[j].low_x, j);
-    });
-    std::vector<std::array<std::uint32_t, 2>> found;
-    for (std::size_t i = 0; i < order.size(); ++i) {
-        const Extent& e = extent[order[i]];
-        for (std::size_t j = i + 1; j < order.size() && extent[order[j]].low_x <= e.high_x; ++j) {
-            const Extent& other = extent[order[j]];
-            if (other.low_y > e.high_y || other.high_y < e.low_y) continue;
-            if (cross(outline, order[i], order[j])) found.push_back({order[i], order[j]});
+    using Pairs = std::vector<std::array<std::uint32_t, 2>>;
+    const auto extents = sorted_extents(outline);
+    const auto from = [&](std::size_t begin, std::size_t end) {
+        Pairs found;
+        for (std::size_t i = begin; i < end; ++i) {
+            const Extent& e = extents[i];
+            for (std::size_t j = i + 1; j < extents.size() && extents[j].low_x <= e.high_x; ++j) {
+                const Extent& other = extents[j];
+                if (other.low_y > e.high_y || other.high_y < e.low_y) continue;
+                if (cross(outline, e.segment, other.segment)) found.push_back({e.segment, other.segment});
+            }
         }
-    }
-    return found;
+        return found;
+    };
+    const auto append = [](Pairs all, const Pairs& more) {
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    };
+    return parallel_reduce(extents.size(), kSegmentGrain, Pairs(), from, append);
 }
 
 double crossing_parameter(const Outline& outline, std::uint32_t i, std::uint32_t j)

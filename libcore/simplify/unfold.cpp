@@ -1,128 +1,23 @@
 #include "simplify/unfold.h"
 
 #include "base/log.h"
+#include "base/parallel.h"
 #include "simplify/collapse_mesh.h"
-#include "simplify/zero_area.h"
+#include "simplify/fold_pieces.h"
 
-#include <cmath>
 #include <fmt/format.h>
-#include <limits>
+#include <iterator>
 #include <optional>
+#include <set>
 #include <tuple>
 #include <utility>
 
 namespace quoin {
 namespace {
 
-constexpr double kFoldedCosine = -0.5; // between faces on one edge
-// How bad a face without area and one that looks away are, in folded edges: the rim of a sheet may be one in the end.
-constexpr int kZeroWeight = 4, kFlippedWeight = 2;
 constexpr int kUnfoldPasses = 8;         // few defects are left after two or three
 constexpr std::size_t kLargestFan = 100; // [faces] that may move at once; all pairs of them are looked at
-
-// A face of a neighbourhood, as it is or as it would be.
-struct Piece {
-    Face vertex{};
-    Triangle corner;
-    PlaneId plane = 0;
-};
-using Pieces = std::vector<Piece>;
-
-Eigen::Vector3d middle(const Triangle& t) { return (t[0] + t[1] + t[2]) / 3.0; }
-
-double squared_distance_to_segment(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b)
-{
-    const Eigen::Vector3d ab = b - a;
-    const double length = ab.squaredNorm();
-    const double t = length > 0.0 ? std::clamp((p - a).dot(ab) / length, 0.0, 1.0) : 0.0;
-    return (p - a - t * ab).squaredNorm();
-}
-
-double squared_distance(const Eigen::Vector3d& p, const Triangle& t)
-{
-    const Eigen::Vector3d n = (t[1] - t[0]).cross(t[2] - t[0]);
-    double least = std::numeric_limits<double>::infinity();
-    bool above = n.squaredNorm() > 0.0;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const Eigen::Vector3d &a = t[k], &b = t[(k + 1) % 3];
-        above = above && n.dot((b - a).cross(p - a)) >= 0.0;
-        least = std::min(least, squared_distance_to_segment(p, a, b));
-    }
-    return above ? std::pow(n.dot(p - t[0]), 2) / n.squaredNorm() : least;
-}
-
-double distance(const Eigen::Vector3d& p, const Pieces& pieces)
-{
-    double least = std::numeric_limits<double>::infinity();
-    for (const Piece& piece : pieces)
-        least = std::min(least, squared_distance(p, piece.corner));
-    return std::sqrt(least);
-}
-
-bool is_corner(const Eigen::Vector3d& p, const Pieces& pieces)
-{
-    return std::any_of(pieces.begin(), pieces.end(),
-                       [&](const Piece& piece) { return std::ranges::find(piece.corner, p) != piece.corner.end(); });
-}
-
-// Corners and middles of `from` are that far from `to` at most; the first that is farther than `enough` ends it.
-double farthest(const Pieces& from, const Pieces& to, double enough)
-{
-    double most = 0.0;
-    for (const Piece& piece : from) {
-        for (const auto& corner : piece.corner)
-            if (most <= enough && !is_corner(corner, to)) most = std::max(most, distance(corner, to));
-        if (most <= enough) most = std::max(most, distance(middle(piece.corner), to));
-    }
-    return most;
-}
-
-bool shares_edge(const Face& a, const Face& b)
-{
-    int shared = 0;
-    for (const VertexId v : a)
-        shared += static_cast<int>(std::count(b.begin(), b.end(), v));
-    return shared == 2;
-}
-
-// Of faces that share an edge: do they run along it the same way, as where a patch of the mesh is turned over?
-bool runs_same_way(const Face& a, const Face& b)
-{
-    for (std::size_t k = 0; k < 3; ++k)
-        for (std::size_t j = 0; j < 3; ++j)
-            if (a[k] == b[j] && a[(k + 1) % 3] == b[(j + 1) % 3]) return true;
-    return false;
-}
-
-bool is_folded(const Piece& a, const Piece& b, double cosine)
-{
-    if (std::abs(cosine) <= -kFoldedCosine || !shares_edge(a.vertex, b.vertex)) return false;
-    return (runs_same_way(a.vertex, b.vertex) ? -cosine : cosine) < kFoldedCosine;
-}
-
-auto flat_count(const Pieces& pieces)
-{
-    return std::ranges::count_if(pieces, [](const Piece& piece) { return !has_area(piece.corner); });
-}
-
-// Defects of the first `inner` pieces and of their edges, weighted.
-int defects(const Pieces& pieces, std::size_t inner, const std::vector<Plane>& planes)
-{
-    std::vector<Eigen::Vector3d> normal;
-    int count = 0;
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-        const Triangle& t = pieces[i].corner;
-        const TriangleShape shape = triangle_shape(t[0], t[1], t[2]);
-        normal.push_back(shape.normal);
-        if (i >= inner) continue;
-        if (!has_area(t)) count += kZeroWeight;
-        if (shape.normal.dot(planes[pieces[i].plane].normal) < 0.0) count += kFlippedWeight;
-    }
-    for (std::size_t i = 0; i < inner; ++i)
-        for (std::size_t j = i + 1; j < pieces.size(); ++j)
-            if (is_folded(pieces[i], pieces[j], normal[i].dot(normal[j]))) ++count;
-    return count;
-}
+constexpr std::size_t kLookGrain = 256;  // [faces]
 
 // One way to change the mesh, and what is gained.
 struct Change {
@@ -141,12 +36,25 @@ struct Change {
     }
 };
 
+// Faces that may change, as they are, and those beside them.
+struct Neighbourhood {
+    std::vector<FaceId> face; // ascending
+    Pieces before, outer;
+    int defects = 0;
+
+    // Can a change be better than the best one?
+    bool may_gain(const std::optional<Change>& best) const { return defects > (best ? -best->defects - 1 : 0); }
+};
+
 class Unfolder {
 public:
     Unfolder(const PlaneMesh& mesh, const SimplifyParams& params)
         : planes_(mesh), params_(params), mesh_(doubles(mesh.mesh.position), mesh.mesh.face),
-          stirred_(mesh.mesh.face.size(), 1)
+          look_(mesh.mesh.face.size(), Look::Stirred)
     {
+        piece_.reserve(look_.size());
+        for (FaceId f = 0; f < look_.size(); ++f)
+            piece_.push_back(piece(f));
     }
 
     std::size_t run()
@@ -154,10 +62,14 @@ public:
         std::size_t changes = 0;
         for (int pass = 0; pass < kUnfoldPasses; ++pass) {
             const std::size_t before = changes;
+            find_defective();
             for (FaceId f = 0; f < mesh_.face_count(); ++f) {
-                if (std::exchange(stirred_[f], std::uint8_t{0}) == 0) continue;
-                while (mesh_.alive(f) && is_defective(f) && improve(f))
+                const Look look = std::exchange(look_[f], Look::Settled);
+                if (look == Look::Settled || !mesh_.alive(f)) continue;
+                for (bool bad = look == Look::Defective || is_defective(f); bad && improve(f);) {
                     ++changes;
+                    bad = mesh_.alive(f) && is_defective(f);
+                }
             }
             if (changes == before) break;
         }
@@ -167,6 +79,9 @@ public:
     void write(PlaneMesh& out) const;
 
 private:
+    // Settled: nothing has changed nearby since the face was looked at. Defective: nor since this was found.
+    enum class Look : std::uint8_t { Settled, Stirred, Defective };
+
     Piece piece(FaceId f) const
     {
         const Face& t = mesh_.face(f);
@@ -175,22 +90,25 @@ private:
     std::vector<FaceId> around(std::initializer_list<VertexId> vertices) const;
     std::vector<FaceId> beside(const std::vector<FaceId>& inner) const;
     Pieces pieces(const std::vector<FaceId>& faces) const;
+    Neighbourhood neighbourhood(std::vector<FaceId> faces) const;
+    void find_defective();
     bool is_defective(FaceId f) const;
     bool improve(FaceId f);
     bool may_lose_faces_between(VertexId kept, VertexId gone);
-    void try_contraction(VertexId kept, VertexId gone, std::optional<Change>& best);
+    void try_contractions(VertexId a, VertexId b, std::optional<Change>& best);
+    void try_contraction(Change change, const Neighbourhood& near, std::optional<Change>& best) const;
     void try_flip(FaceId f, VertexId a, VertexId b, std::optional<Change>& best) const;
     void try_other_planes(FaceId f, std::optional<Change>& best) const;
     void apply(const Change& change);
     void stir(VertexId v);
-    void consider(Change change, const std::vector<FaceId>& inner, const Pieces& after,
-                  std::optional<Change>& best) const;
+    void consider(Change change, const Neighbourhood& near, const Pieces& after, std::optional<Change>& best) const;
     bool open(VertexId v) const;
 
     PlaneMesh planes_; // its faces are as they were
     const SimplifyParams& params_;
     CollapseMesh mesh_;
-    std::vector<std::uint8_t> stirred_; // F; has something changed nearby since the face was looked at?
+    std::vector<Look> look_;   // F
+    std::vector<Piece> piece_; // F; of faces that are alive
 };
 
 // Faces of the given vertices, each once.
@@ -213,7 +131,7 @@ std::vector<FaceId> Unfolder::beside(const std::vector<FaceId>& inner) const
             VertexId a = mesh_.face(f)[k], b = mesh_.face(f)[(k + 1) % 3];
             if (mesh_.has_fewer_faces(b, a)) std::swap(a, b);
             mesh_.for_each_face(a, [&](FaceId g) {
-                if (shares_edge(mesh_.face(f), mesh_.face(g)) && mesh_.contains(g, b) &&
+                if (g != f && mesh_.contains(g, b) && shares_edge(mesh_.face(f), mesh_.face(g)) &&
                     !std::binary_search(inner.begin(), inner.end(), g))
                     outer.push_back(g);
             });
@@ -226,18 +144,34 @@ std::vector<FaceId> Unfolder::beside(const std::vector<FaceId>& inner) const
 Pieces Unfolder::pieces(const std::vector<FaceId>& faces) const
 {
     Pieces result;
+    result.reserve(faces.size());
     for (const FaceId f : faces)
-        result.push_back(piece(f));
+        result.push_back(piece_[f]);
     return result;
 }
 
-bool Unfolder::is_defective(FaceId f) const
+Neighbourhood Unfolder::neighbourhood(std::vector<FaceId> faces) const
 {
-    Pieces all{piece(f)};
-    for (const FaceId g : beside({f}))
-        all.push_back(piece(g));
-    return defects(all, 1, planes_.plane) > 0;
+    Neighbourhood near{{}, pieces(faces), pieces(beside(faces)), 0};
+    near.face = std::move(faces);
+    near.defects = defects({near.before, near.outer}, planes_.plane);
+    return near;
 }
+
+// Most faces are sound, which is found of all at once; the others are then looked at one by one.
+void Unfolder::find_defective()
+{
+    parallel_for(
+        look_.size(),
+        [&](std::size_t i) {
+            const auto f = static_cast<FaceId>(i);
+            if (look_[f] == Look::Stirred)
+                look_[f] = mesh_.alive(f) && is_defective(f) ? Look::Defective : Look::Settled;
+        },
+        kLookGrain);
+}
+
+bool Unfolder::is_defective(FaceId f) const { return neighbourhood({f}).defects > 0; }
 
 // Applies the change of the face's or its neighbours' edges that gains most. Is there one?
 bool Unfolder::improve(FaceId f)
@@ -245,12 +179,13 @@ bool Unfolder::improve(FaceId f)
     std::vector<FaceId> candidates = beside({f});
     candidates.push_back(f);
     std::optional<Change> best;
+    std::set<std::pair<VertexId, VertexId>> tried;
     for (const FaceId g : candidates) {
         const Face face = mesh_.face(g);
         for (std::size_t k = 0; k < 3; ++k) {
-            try_contraction(face[k], face[(k + 1) % 3], best);
-            try_contraction(face[(k + 1) % 3], face[k], best);
-            try_flip(g, face[k], face[(k + 1) % 3], best);
+            const VertexId a = face[k], b = face[(k + 1) % 3];
+            if (tried.insert(std::minmax(a, b)).second) try_contractions(a, b, best);
+            try_flip(g, a, b, best);
         }
     }
     try_other_planes(f, best);
@@ -273,20 +208,27 @@ void Unfolder::stir(VertexId v)
         near = std::move(wider);
     }
     for (const VertexId w : near)
-        mesh_.for_each_face(w, [&](FaceId f) { stirred_[f] = 1; });
+        mesh_.for_each_face(w, [&](FaceId f) { look_[f] = Look::Stirred; });
 }
 
 void Unfolder::apply(const Change& change)
 {
+    std::vector<FaceId> changed(change.faces.begin(), change.faces.end());
     switch (change.kind) {
     case Change::Kind::Contraction:
+        changed =
+            mesh_.position(change.kept) == change.target ? around({change.gone}) : around({change.kept, change.gone});
         mesh_.move(change.kept, change.target);
-        return mesh_.contract(change.kept, change.gone);
+        mesh_.contract(change.kept, change.gone);
+        break;
     case Change::Kind::Flip:
-        return mesh_.flip(change.faces[0], change.faces[1], change.kept, change.gone);
+        mesh_.flip(change.faces[0], change.faces[1], change.kept, change.gone);
+        break;
     case Change::Kind::OtherPlane:
         planes_.face_plane[change.faces[0]] = change.plane;
     }
+    for (const FaceId f : changed)
+        if (mesh_.alive(f)) piece_[f] = piece(f);
 }
 
 // Do planes stay in one piece, and keep a face, when the edge is contracted? All but those of a single bad face.
@@ -308,33 +250,46 @@ bool Unfolder::may_lose_faces_between(VertexId kept, VertexId gone)
     return false;
 }
 
-void Unfolder::try_contraction(VertexId kept, VertexId gone, std::optional<Change>& best)
+// Of either end into the other, which stays, or of both into their middle.
+void Unfolder::try_contractions(VertexId a, VertexId b, std::optional<Change>& best)
 {
     std::array<FaceId, 2> faces{};
-    const bool pinches = open(kept) && open(gone) && mesh_.faces_on_edge(kept, gone, faces) == 2;
-    if (pinches || !mesh_.link_condition(kept, gone) || !may_lose_faces_between(kept, gone)) return;
-    auto inner = around({gone});
-    if (inner.size() > kLargestFan) return;
-    const auto both = around({kept, gone});
-    const Eigen::Vector3d middle = 0.5 * (mesh_.position(kept) + mesh_.position(gone));
-    std::vector<Eigen::Vector3d> targets{mesh_.position(kept)};
-    if (both.size() <= kLargestFan) { // or `kept` and its faces stay
-        inner = both;
-        targets.emplace_back(middle.cast<float>().cast<double>()); // as they are written
+    const bool pinches = mesh_.faces_on_edge(a, b, faces) == 2 && open(a) && open(b);
+    if (pinches || !mesh_.link_condition(a, b) || !may_lose_faces_between(a, b)) return;
+    const Change into_a{.kept = a, .gone = b, .target = mesh_.position(a)},
+        into_b{.kept = b, .gone = a, .target = mesh_.position(b)};
+    if (auto both = around({a, b}); both.size() <= kLargestFan) {
+        const Eigen::Vector3d middle = 0.5 * (mesh_.position(a) + mesh_.position(b));
+        const Neighbourhood near = neighbourhood(std::move(both));
+        try_contraction(into_a, near, best);
+        try_contraction({.kept = a, .gone = b, .target = middle.cast<float>().cast<double>()}, near,
+                        best); // as written
+        try_contraction(into_b, near, best);
+        return;
     }
-    for (const Eigen::Vector3d& target : targets) {
-        Pieces after;
-        for (const FaceId f : inner) {
-            if (mesh_.contains(f, kept) && mesh_.contains(f, gone)) continue;
-            after.push_back(piece(f));
-            for (std::size_t k = 0; k < 3; ++k)
-                if (VertexId& v = after.back().vertex[k]; v == kept || v == gone) {
-                    v = kept;
-                    after.back().corner[k] = target;
-                }
-        }
-        consider({.kept = kept, .gone = gone, .target = target}, inner, after, best);
+    for (const Change& change : {into_a, into_b}) // the faces of the end that is kept stay
+        if (auto inner = around({change.gone}); inner.size() <= kLargestFan)
+            try_contraction(change, neighbourhood(std::move(inner)), best);
+}
+
+void Unfolder::try_contraction(Change change, const Neighbourhood& near, std::optional<Change>& best) const
+{
+    if (!near.may_gain(best)) return;
+    Pieces after;
+    after.reserve(near.face.size());
+    for (const Piece& piece : near.before) {
+        Face vertex = piece.vertex;
+        Triangle corner = piece.corner;
+        int moved = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            if (vertex[k] == change.kept || vertex[k] == change.gone) {
+                vertex[k] = change.kept;
+                corner[k] = change.target;
+                ++moved;
+            }
+        if (moved < 2) after.emplace_back(vertex, corner, piece.plane);
     }
+    consider(change, near, after, best);
 }
 
 void Unfolder::try_flip(FaceId f, VertexId a, VertexId b, std::optional<Change>& best) const
@@ -347,42 +302,45 @@ void Unfolder::try_flip(FaceId f, VertexId a, VertexId b, std::optional<Change>&
     const auto at = [&](VertexId v) { return mesh_.position(v); };
     const PlaneId plane = planes_.face_plane[f];
     const Pieces after{{{c, d, b}, {at(c), at(d), at(b)}, plane}, {{d, c, a}, {at(d), at(c), at(a)}, plane}};
-    consider({.kind = Change::Kind::Flip, .kept = a, .gone = b, .faces = {f, g}}, {std::min(f, g), std::max(f, g)},
-             after, best);
+    consider({.kind = Change::Kind::Flip, .kept = a, .gone = b, .faces = {f, g}},
+             neighbourhood({std::min(f, g), std::max(f, g)}), after, best);
 }
 
 // A face with a single neighbour in its own plane leaves that in one piece.
 void Unfolder::try_other_planes(FaceId f, std::optional<Change>& best) const
 {
     const PlaneId plane = planes_.face_plane[f];
+    const Neighbourhood near = neighbourhood({f});
     const auto neighbours = beside({f});
     if (std::count_if(neighbours.begin(), neighbours.end(), [&](FaceId g) { return planes_.face_plane[g] == plane; }) !=
         1)
         return;
     for (const FaceId g : neighbours) {
         if (planes_.face_plane[g] == plane) continue;
-        Pieces after{piece(f)};
+        Pieces after{piece_[f]};
         after[0].plane = planes_.face_plane[g];
-        consider({.kind = Change::Kind::OtherPlane, .faces = {f, g}, .plane = planes_.face_plane[g]}, {f}, after, best);
+        consider({.kind = Change::Kind::OtherPlane, .faces = {f, g}, .plane = planes_.face_plane[g]}, near, after,
+                 best);
     }
 }
 
-void Unfolder::consider(Change change, const std::vector<FaceId>& inner, const Pieces& after,
+// Distances cost most: they are found last, and no farther than they could still be the best.
+void Unfolder::consider(Change change, const Neighbourhood& near, const Pieces& after,
                         std::optional<Change>& best) const
 {
-    const Pieces outer = pieces(beside(inner));
-    const auto with_outer = [&](Pieces list) {
-        list.insert(list.end(), outer.begin(), outer.end());
-        return list;
-    };
-    const Pieces before = pieces(inner);
-    change.defects = defects(with_outer(after), after.size(), planes_.plane) -
-                     defects(with_outer(before), before.size(), planes_.plane);
-    if (change.defects >= 0 || after.empty() || flat_count(after) > flat_count(before)) return;
-    change.error = farthest(before, with_outer(after), params_.max_fold_error);
-    if (change.error > params_.max_fold_error) return;
-    change.error = std::max(change.error, farthest(after, before, params_.max_fold_error));
-    if (change.error <= params_.max_fold_error && (!best || change.better_than(*best))) best = change;
+    const auto is_flat = [](const Piece& piece) { return piece.flat; };
+    if (!near.may_gain(best) || after.empty() ||
+        std::ranges::count_if(after, is_flat) > std::ranges::count_if(near.before, is_flat))
+        return;
+    const int enough = near.defects + (best ? best->defects : -1);
+    change.defects = defects({after, near.outer}, planes_.plane, enough) - near.defects;
+    if (change.defects > enough - near.defects) return;
+    const bool is_tie = best && change.defects == best->defects;
+    const double most = is_tie ? best->error : params_.max_fold_error;
+    change.error = farthest(near.before, {after, near.outer}, most);
+    if (change.error > most) return;
+    change.error = std::max(change.error, farthest(after, {near.before, {}}, most));
+    if (change.error <= most && (!best || change.better_than(*best))) best = change;
 }
 
 // Is the vertex on a border of the mesh?

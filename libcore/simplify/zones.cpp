@@ -1,5 +1,6 @@
 #include "simplify/zones.h"
 
+#include "base/parallel.h"
 #include "geometry/union_find.h"
 #include "mesh/adjacency.h"
 
@@ -10,6 +11,44 @@ namespace quoin {
 namespace {
 
 constexpr std::uint32_t kNone = 0xffffffffu;
+constexpr std::size_t kFaceGrain = 1 << 14;
+constexpr std::size_t kBlockFaces = 1 << 16;
+
+// Of every face the first one of its connected piece of a plane. Blocks of faces are joined among themselves first;
+// meshes are in Morton order, so that few edges run between them.
+std::vector<FaceId> first_of_pieces(const std::vector<PlaneId>& face_plane, const std::vector<std::uint32_t>& opposite)
+{
+    UnionFind pieces(face_plane.size());
+    const auto join_across = [&](std::uint32_t h) {
+        const std::uint32_t o = opposite[h];
+        if (face_plane[o / 3] != face_plane[h / 3]) return;
+        const std::uint32_t a = pieces.find(h / 3), b = pieces.find(o / 3);
+        if (a != b) pieces.join(std::min(a, b), std::max(a, b));
+    };
+    const auto join_within = [&](std::size_t begin, std::size_t end) {
+        std::vector<std::uint32_t> leaving;
+        for (auto h = static_cast<std::uint32_t>(3 * begin); h < 3 * end; ++h) {
+            const std::uint32_t o = opposite[h];
+            if (!is_half_edge(o) || o > h) continue;
+            if (o >= 3 * begin)
+                join_across(h);
+            else
+                leaving.push_back(h);
+        }
+        return leaving;
+    };
+    const auto append = [](std::vector<std::uint32_t> all, const std::vector<std::uint32_t>& more) {
+        all.insert(all.end(), more.begin(), more.end());
+        return all;
+    };
+    for (const std::uint32_t h :
+         parallel_reduce(face_plane.size(), kBlockFaces, std::vector<std::uint32_t>(), join_within, append))
+        join_across(h);
+    std::vector<FaceId> first(face_plane.size());
+    parallel_for(
+        first.size(), [&](std::size_t f) { first[f] = pieces.root(static_cast<FaceId>(f)); }, kFaceGrain);
+    return first;
+}
 
 } // namespace
 
@@ -27,29 +66,22 @@ Zones::Zones(PlaneMesh mesh, std::vector<std::uint32_t> opposite)
 void Zones::separate_pieces()
 {
     const auto count = static_cast<FaceId>(mesh_.face_plane.size());
-    UnionFind pieces(count);
-    for (std::uint32_t h = 0; h < 3 * count; ++h) {
-        const std::uint32_t o = opposite_[h];
-        if (!is_half_edge(o) || o > h || mesh_.face_plane[o / 3] != mesh_.face_plane[h / 3]) continue;
-        const std::uint32_t a = pieces.find(h / 3), b = pieces.find(o / 3);
-        if (a != b) pieces.join(std::min(a, b), std::max(a, b));
+    const std::vector<FaceId> first = first_of_pieces(mesh_.face_plane, opposite_);
+    std::vector<FaceId> piece(count, 0); // faces, at the first
+    for (const FaceId f : first)
+        ++piece[f];
+    const auto roots = parallel_select<FaceId>(count, kFaceGrain, [&](std::size_t f) { return first[f] == f; });
+    std::vector<FaceId> largest(size(), kNone); // first of it
+    for (const FaceId f : roots)
+        if (FaceId& root = largest[mesh_.face_plane[f]]; root == kNone || piece[f] > piece[root]) root = f;
+    std::vector<PlaneId> zone(count); // of the piece, at its first
+    for (const FaceId f : roots) {
+        const PlaneId here = mesh_.face_plane[f];
+        zone[f] = f == largest[here] ? here : add_zone(here);
+        faces_[zone[f]] = piece[f];
     }
-    std::vector<FaceId> largest(size(), kNone); // root
-    std::vector<FaceId> piece(count, 0);        // faces, at the root
-    for (FaceId f = 0; f < count; ++f)
-        ++piece[pieces.find(f)];
-    for (FaceId f = 0; f < count; ++f) {
-        FaceId& root = largest[mesh_.face_plane[f]];
-        if (piece[f] > 0 && (root == kNone || piece[f] > piece[root])) root = f;
-    }
-    std::vector<PlaneId> zone(count, kNoPlane); // of a piece that is taken out, at its root
-    for (FaceId f = 0; f < count; ++f) {
-        PlaneId& here = mesh_.face_plane[f];
-        const FaceId root = pieces.find(f);
-        if (f == root && root != largest[here]) zone[f] = add_zone(here);
-        if (zone[root] != kNoPlane) here = zone[root];
-        ++faces_[here];
-    }
+    parallel_for(
+        count, [&](std::size_t f) { mesh_.face_plane[f] = zone[first[f]]; }, kFaceGrain);
 }
 
 std::size_t Zones::rough_count() const
@@ -57,16 +89,15 @@ std::size_t Zones::rough_count() const
     return static_cast<std::size_t>(std::count(rough_.begin(), rough_.end(), std::uint8_t{1}));
 }
 
-ZonePart Zones::part()
+ZonePart Zones::part() const
 {
-    note_rough_zones();
     ZonePart part;
     std::vector<std::uint32_t> border;
-    for (const std::uint32_t h : border_) {
-        const std::uint32_t o = opposite_[h];
-        if (pending(mesh_.face_plane[h / 3]) || (o != kBorderEdge && pending(mesh_.face_plane[o / 3])))
-            border.push_back(h);
-    }
+    for (const auto i : parallel_select<std::uint32_t>(border_.size(), kFaceGrain, [&](std::size_t b) {
+             const std::uint32_t h = border_[b], o = opposite_[h];
+             return pending(mesh_.face_plane[h / 3]) || (o != kBorderEdge && pending(mesh_.face_plane[o / 3]));
+         }))
+        border.push_back(border_[i]);
     part.curves = trace_curves(mesh_, opposite_, border);
     part.mesh.plane = mesh_.plane;
     part.mesh.moments = mesh_.moments;
@@ -79,7 +110,6 @@ ZonePart Zones::part()
     }
     for (VertexId& v : part.curves.vertex)
         v = part.index(v);
-    part.rough_edge = rough_edges(part);
     return part;
 }
 
@@ -95,21 +125,22 @@ void Zones::note_edges(FaceId f)
 void Zones::note_rough_zones()
 {
     if (noted_ == rough_) return;
-    for (FaceId f = 0; f < mesh_.face_plane.size(); ++f)
-        if (const PlaneId zone = mesh_.face_plane[f]; rough(zone) && !noted_[zone]) note_edges(f);
+    const auto is_new = [&](PlaneId zone) { return rough(zone) && !noted_[zone]; };
+    for (const FaceId f : parallel_select<FaceId>(mesh_.face_plane.size(), kFaceGrain,
+                                                  [&](std::size_t i) { return is_new(mesh_.face_plane[i]); }))
+        note_edges(f);
     noted_ = rough_;
 }
 
-std::vector<std::array<VertexId, 2>> Zones::rough_edges(const ZonePart& part) const
+void Zones::add_rough_edges(ZonePart& part)
 {
+    note_rough_zones();
     const auto corner = [&](VertexId v) { return mesh_.vertex_class[v] == VertexClass::Corner; };
-    std::vector<std::array<VertexId, 2>> edges;
     for (const auto& [a, b] : rough_edge_) {
         if (!corner(a) || !corner(b) || !part.has(a) || !part.has(b)) continue;
         const auto [low, high] = std::minmax({part.index(a), part.index(b)}); // by value
-        edges.push_back({low, high});
+        part.rough_edge.push_back({low, high});
     }
-    return edges;
 }
 
 PlaneId Zones::add_zone(PlaneId from)

@@ -48,7 +48,8 @@ public:
     std::size_t rough_count() const;
     // Is the flat zone to be filled, or filled again since a cut came near it?
     bool pending(PlaneId zone) const { return pending_[zone] != 0; }
-    ZonePart part();
+    ZonePart part() const; // without rough edges
+    void add_rough_edges(ZonePart& part);
 
     // What was found in one attempt to lay a zone flat.
     struct Failure {
@@ -69,7 +70,6 @@ private:
     PlaneId add_zone(PlaneId from);
     void note_edges(FaceId f);
     void note_rough_zones();
-    std::vector<std::array<VertexId, 2>> rough_edges(const ZonePart& part) const;
     std::array<VertexId, 2> ends(std::uint32_t half_edge) const
     {
         const Face& face = mesh_.mesh.face[half_edge / 3];
@@ -78,7 +78,8 @@ private:
 
     std::vector<PlaneId> surrounding_zones() const;
     void keep_small(std::vector<PlaneId>& surrounding, double diameter) const;
-    void keep_low(std::vector<PlaneId>& surrounding, double height) const;
+    void keep_low(std::vector<PlaneId>& surrounding, const std::vector<FaceId>& faces, double height) const;
+    bool absorb(const std::vector<PlaneId>& surrounding, const std::vector<FaceId>& faces);
 
     std::vector<Cut> begin_cuts(const std::vector<Failure>& failures) const;
     std::array<std::vector<Eigen::Vector3d>, 2> sort_knots(const Cut& cut, double reach) const;

@@ -18,6 +18,7 @@ constexpr double kFirstReach = 1.5;    // around a knot, in errors of borders
 constexpr int kMostDoublings = 2;      // of the reach, one with every cut that did not go far enough
 constexpr std::size_t kMostOfZone = 2; // a cut takes less than one in so many of a zone's faces
 constexpr std::uint32_t kNoCut = 0xffffffffu;
+constexpr std::size_t kBorderGrain = 1 << 14; // [half-edges]
 
 } // namespace
 
@@ -38,12 +39,13 @@ std::vector<Zones::Cut> Zones::begin_cuts(const std::vector<Failure>& failures) 
         cuts[i].failure = &failures[i];
         cut_of[failures[i].zone] = i;
     }
-    for (const std::uint32_t h : border_) {
-        if (const std::uint32_t i = cut_of[mesh_.face_plane[h / 3]]; i != kNoCut) cuts[i].border.push_back(h);
-        const std::uint32_t o = opposite_[h];
-        if (o == kBorderEdge) continue;
-        if (const std::uint32_t i = cut_of[mesh_.face_plane[o / 3]]; i != kNoCut) cuts[i].border.push_back(o);
-    }
+    const auto cut_at = [&](std::uint32_t h) { return h == kBorderEdge ? kNoCut : cut_of[mesh_.face_plane[h / 3]]; };
+    const auto at_cuts = parallel_select<std::uint32_t>(border_.size(), kBorderGrain, [&](std::size_t i) {
+        return cut_at(border_[i]) != kNoCut || cut_at(opposite_[border_[i]]) != kNoCut;
+    });
+    for (const std::uint32_t b : at_cuts)
+        for (const std::uint32_t h : {border_[b], opposite_[border_[b]]})
+            if (const std::uint32_t i = cut_at(h); i != kNoCut) cuts[i].border.push_back(h);
     return cuts;
 }
 
@@ -170,14 +172,13 @@ void Zones::cut(const std::vector<Failure>& failures, const SimplifyParams& para
 // On to the flat zones that have a vertex of what was stirred.
 void Zones::spread_pending(const std::vector<std::uint8_t>& stirred)
 {
-    const auto spread = [&](std::uint32_t h, PlaneId zone) {
-        for (const VertexId v : ends(h))
-            if (stirred[v] && !rough(zone)) pending_[zone] = 1;
-    };
-    for (const std::uint32_t h : border_) {
-        spread(h, mesh_.face_plane[h / 3]);
-        if (opposite_[h] != kBorderEdge) spread(h, mesh_.face_plane[opposite_[h] / 3]);
-    }
+    const auto at_stirred = parallel_select<std::uint32_t>(border_.size(), kBorderGrain, [&](std::size_t i) {
+        const auto [a, b] = ends(border_[i]);
+        return stirred[a] || stirred[b];
+    });
+    for (const std::uint32_t i : at_stirred)
+        for (const std::uint32_t h : {border_[i], opposite_[border_[i]]})
+            if (h != kBorderEdge && !rough(mesh_.face_plane[h / 3])) pending_[mesh_.face_plane[h / 3]] = 1;
 }
 
 // Faces that were relabelled were inside their zones or on borders that stay borders.
@@ -210,12 +211,16 @@ void Zones::classify_ends(const std::vector<std::uint32_t>& border)
     std::vector<std::uint8_t> touched(mesh_.mesh.position.size(), 0);
     for (const VertexId v : vertex)
         touched[v] = 1;
+    const auto at_touched = parallel_select<std::uint32_t>(border_.size(), kBorderGrain, [&](std::size_t i) {
+        const auto [a, b] = ends(border_[i]);
+        return touched[a] || touched[b];
+    });
     std::vector<BorderUse> use(vertex.size());
-    for (const std::uint32_t h : border_)
-        for (const VertexId v : ends(h)) {
+    for (const std::uint32_t i : at_touched)
+        for (const VertexId v : ends(border_[i])) {
             if (touched[v] == 0) continue;
             const auto at = std::lower_bound(vertex.begin(), vertex.end(), v) - vertex.begin();
-            const std::uint32_t o = opposite_[h];
+            const std::uint32_t h = border_[i], o = opposite_[h];
             use[static_cast<std::size_t>(at)].add_edge(mesh_.face_plane[h / 3],
                                                        o == kBorderEdge ? kNoPlane : mesh_.face_plane[o / 3]);
         }

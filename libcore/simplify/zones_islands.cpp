@@ -1,4 +1,5 @@
 // Zones too small to tell from their surroundings.
+#include "base/parallel.h"
 #include "mesh/adjacency.h"
 #include "simplify/zones.h"
 
@@ -7,6 +8,11 @@
 #include <cmath>
 
 namespace quoin {
+namespace {
+
+constexpr std::size_t kIslandGrain = 1 << 14;
+
+} // namespace
 
 // Of every zone the one that is behind all of its border; kNoPlane if that is not one.
 std::vector<PlaneId> Zones::surrounding_zones() const
@@ -47,15 +53,32 @@ void Zones::keep_small(std::vector<PlaneId>& surrounding, double diameter) const
         if (surrounding[z] != kNoPlane && extent[z].diagonal().norm() > diameter) surrounding[z] = kNoPlane;
 }
 
-// Drops those with a vertex farther from the plane around them.
-void Zones::keep_low(std::vector<PlaneId>& surrounding, double height) const
+// Drops those with a vertex farther from the plane around them. faces: of those that are left, at least.
+void Zones::keep_low(std::vector<PlaneId>& surrounding, const std::vector<FaceId>& faces, double height) const
 {
-    for (FaceId f = 0; f < mesh_.face_plane.size(); ++f)
+    for (const FaceId f : faces)
         for (int k = 0; k < 3; ++k) {
             PlaneId& around = surrounding[mesh_.face_plane[f]];
             if (around != kNoPlane && std::abs(plane(around).signed_distance(corner(mesh_.mesh, f, k))) > height)
                 around = kNoPlane;
         }
+}
+
+// Gives faces to the zones around them, but for those of zones that have such a zone within them. Are there any?
+bool Zones::absorb(const std::vector<PlaneId>& surrounding, const std::vector<FaceId>& faces)
+{
+    bool changed = false;
+    for (const FaceId f : faces) {
+        PlaneId& zone = mesh_.face_plane[f];
+        const PlaneId around = surrounding[zone];
+        if (around == kNoPlane || surrounding[around] != kNoPlane) continue;
+        pending_[zone] = 0; // no face is left
+        --faces_[zone];
+        ++faces_[around];
+        zone = around;
+        changed = true;
+    }
+    return changed;
 }
 
 void Zones::absorb_islands(const SimplifyParams& params)
@@ -64,17 +87,11 @@ void Zones::absorb_islands(const SimplifyParams& params)
     for (bool changed = true; changed;) { // one may have been within another
         auto surrounding = surrounding_zones();
         keep_small(surrounding, 2.0 * params.max_open_error);
-        keep_low(surrounding, height);
-        changed = false;
-        for (PlaneId& zone : mesh_.face_plane) {
-            const PlaneId around = surrounding[zone];
-            if (around == kNoPlane || surrounding[around] != kNoPlane) continue;
-            pending_[zone] = 0; // no face is left
-            --faces_[zone];
-            ++faces_[around];
-            zone = around;
-            changed = true;
-        }
+        const auto faces = parallel_select<FaceId>(mesh_.face_plane.size(), kIslandGrain, [&](std::size_t f) {
+            return surrounding[mesh_.face_plane[f]] != kNoPlane;
+        });
+        keep_low(surrounding, faces, height);
+        changed = absorb(surrounding, faces);
         std::erase_if(border_, [&](std::uint32_t h) {
             const std::uint32_t o = opposite_[h];
             return o != kBorderEdge && mesh_.face_plane[h / 3] == mesh_.face_plane[o / 3];

@@ -274,17 +274,17 @@ void StageRun::write_artifact_to(const std::string& port, Artifact artifact) con
     Json inputs = Json::object();
     for (const auto& [name, input] : state_->inputs)
         inputs[name] = {{"schema", input.schema}, {"payload", input.payload}};
-    const std::string payload = artifact.payload();
     artifact.metadata = {{"quoin.key", state_->key.hex},
                          {"quoin.stage", state_->stage.name},
                          {"quoin.impl_version", std::to_string(state_->stage.impl_version)},
                          {"quoin.params", params_json(state_->line.params)},
-                         {"quoin.inputs", inputs.dump()},
-                         {"quoin.payload", payload}};
-    state_->outputs[port] = payload;
-    if (!state_->store) return write_artifact(state_->line.outputs.at(port), artifact);
+                         {"quoin.inputs", inputs.dump()}};
+    if (!state_->store) {
+        state_->outputs[port] = write_artifact(state_->line.outputs.at(port), artifact);
+        return;
+    }
     const TemporaryPath temporary(state_->store->temporary_place(port));
-    write_artifact_in_place(temporary.path(), artifact, state_->line.store);
+    state_->outputs[port] = write_artifact_in_place(temporary.path(), artifact, state_->line.store);
     keep_in_store(*state_, port, temporary.path());
 }
 

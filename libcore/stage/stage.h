@@ -26,6 +26,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace quoin {
@@ -67,9 +68,9 @@ public:
 
     // Publishes one output: schema types through their to_artifact (schema/schema.h) ...
     template <class T>
-    void write(const std::string& port, const T& value) const
+    void write(const std::string& port, T&& value) const
     {
-        write_artifact_to(port, to_artifact(value));
+        write_artifact_to(port, to_artifact(std::forward<T>(value)));
     }
     // ... folders by a function that fills an empty temporary folder.
     void write_folder(const std::string& port, const std::function<void(const std::filesystem::path&)>& fill) const;

@@ -32,6 +32,29 @@ TEST_P(Threads, ReductionHasTheBitsOfOneThread)
     EXPECT_EQ(sum_of_reciprocals(), many);
 }
 
+TEST_P(Threads, SelectsInOrder)
+{
+    const auto chosen = parallel_select<std::uint32_t>(10'000, 64, [](std::size_t i) { return i % 3 == 1; });
+    ASSERT_EQ(chosen.size(), 3333u);
+    for (std::uint32_t i = 0; i < chosen.size(); ++i)
+        EXPECT_EQ(chosen[i], 3 * i + 1);
+}
+
+TEST_P(Threads, AllOfFindsTheOneThatDiffers)
+{
+    EXPECT_TRUE(parallel_all_of(0, 64, [](std::size_t) { return false; }));
+    EXPECT_TRUE(parallel_all_of(10'000, 64, [](std::size_t i) { return i < 10'000; }));
+    for (const std::size_t odd : {0, 63, 64, 9'999})
+        EXPECT_FALSE(parallel_all_of(10'000, 64, [&](std::size_t i) { return i != odd; }));
+}
+
+TEST_P(Threads, TasksAllRun)
+{
+    int a = 0, b = 0, c = 0;
+    parallel_tasks([&] { a = 1; }, [&] { b = 2; }, [&] { c = 3; });
+    EXPECT_EQ(a + 10 * b + 100 * c, 321);
+}
+
 TEST_P(Threads, ChunksAreCombinedInOrder)
 {
     const auto map = [](std::size_t begin, std::size_t) { return std::vector<std::size_t>{begin}; };
