@@ -92,6 +92,14 @@ int defects(const TwoPieces& pieces, const std::vector<Plane>& planes, int enoug
     return count;
 }
 
+double area_of(const Pieces& pieces)
+{
+    double twice = 0.0;
+    for (const Piece& piece : pieces)
+        twice += (piece.corner[1] - piece.corner[0]).cross(piece.corner[2] - piece.corner[0]).norm();
+    return 0.5 * twice;
+}
+
 double farthest(const Pieces& from, const TwoPieces& to, double enough)
 {
     double most = 0.0;

@@ -34,6 +34,8 @@ int defects(const TwoPieces& pieces, const std::vector<Plane>& planes, int enoug
 // Corners and middles of `from` are that far from `to` at most [m]; more than `enough` is only a lower bound.
 double farthest(const Pieces& from, const TwoPieces& to, double enough);
 
+double area_of(const Pieces& pieces); // [m^2]
+
 // Do the faces have two vertices in common?
 inline bool shares_edge(const Face& a, const Face& b)
 {

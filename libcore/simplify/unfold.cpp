@@ -15,7 +15,10 @@
 namespace quoin {
 namespace {
 
-constexpr int kUnfoldPasses = 8;         // few defects are left after two or three
+constexpr int kUnfoldPasses = 8; // few defects are left after two or three
+// Sheets of a curtain are so thin that one lies within max_fold_error of the other: no more than a square of so many
+// times that may go.
+constexpr double kLargestLoss = 4.0;
 constexpr std::size_t kLargestFan = 100; // [faces] that may move at once; all pairs of them are looked at
 constexpr std::size_t kLookGrain = 256;  // [faces]
 
@@ -335,6 +338,7 @@ void Unfolder::consider(Change change, const Neighbourhood& near, const Pieces& 
     const int enough = near.defects + (best ? best->defects : -1);
     change.defects = defects({after, near.outer}, planes_.plane, enough) - near.defects;
     if (change.defects > enough - near.defects) return;
+    if (area_of(near.before) - area_of(after) > std::pow(kLargestLoss * params_.max_fold_error, 2)) return;
     const bool is_tie = best && change.defects == best->defects;
     const double most = is_tie ? best->error : params_.max_fold_error;
     change.error = farthest(near.before, {after, near.outer}, most);

@@ -8,7 +8,7 @@ int main(int argc, char** argv)
     const Stage stage{
         .name = "simplify",
         .summary = "decimates every plane, then the borders between planes, which stay straight and where they are",
-        .impl_version = 9,
+        .impl_version = 10,
         .inputs = {{"plane_mesh", "planes of a dense mesh"}},
         .outputs = {{"plane_mesh", "the same planes in few faces"}},
         .resources = {.memory = "bytes(plane_mesh) * 12 + 200M"},

@@ -90,6 +90,40 @@ TEST(Unfold, LeavesASheetThatIsLargerThanTheError)
     EXPECT_EQ(mesh.mesh.face, sheet_with_tab().mesh.face);
 }
 
+// A curtain's fold, 2 m high and 6 cm deep: front and back meet in a common rim, no farther than 1.8 cm from each
+// other. Their strips are so narrow that each alone would be within the error.
+PlaneMesh curtain_fold()
+{
+    constexpr VertexId strips = 4;
+    constexpr float height = 2.0f, width = 0.06f, gap = 0.018f;
+    PlaneMesh mesh;
+    for (VertexId i = 0; i <= 2 * strips; ++i) { // along the front to the rim and along the back from it
+        const float away = std::abs(1.0f - float(i) / strips);
+        const Eigen::Vector3f at(width * (1.0f - away), i > strips ? gap * away : 0.0f, 0.0f);
+        mesh.mesh.position.push_back(at);
+        mesh.mesh.position.push_back(at + Eigen::Vector3f(0, 0, height));
+    }
+    for (VertexId i = 0; i < 2 * strips; ++i) {
+        mesh.mesh.face.push_back({2 * i, 2 * i + 2, 2 * i + 3});
+        mesh.mesh.face.push_back({2 * i, 2 * i + 3, 2 * i + 1});
+        mesh.face_plane.insert(mesh.face_plane.end(), 2, i < strips ? 0u : 1u);
+    }
+    const Eigen::Vector3d back = Eigen::Vector3d(gap, width, 0.0).normalized();
+    mesh.plane = {{-Eigen::Vector3d::UnitY(), 0.0}, {back, -back.x() * width}};
+    mesh.moments.resize(2);
+    mesh.vertex_class = classify_vertices(mesh.mesh, mesh.face_plane);
+    return mesh;
+}
+
+TEST(Unfold, LeavesALongThinSheetWhoseSidesAreNearEachOther)
+{
+    PlaneMesh mesh = curtain_fold();
+    ASSERT_EQ(inspect(mesh).folded_pairs, 1u);
+    const auto faces = mesh.mesh.face;
+    unfold(mesh, {});
+    EXPECT_EQ(mesh.mesh.face, faces);
+}
+
 TEST(Unfold, TakesAFaceWithoutAreaOutThatIsAllOfItsPlane)
 {
     PlaneMesh mesh = join_sheets({{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 1}});
