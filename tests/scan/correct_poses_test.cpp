@@ -43,7 +43,7 @@ Tracked tracked(FrameId interval)
 {
     Tracked result;
     for (std::size_t i = 0; i < kFrames; ++i)
-        result.scan.frames.push_back({.camera_from_world = recorded(static_cast<double>(i))});
+        result.scan.frames.push_back({recorded(static_cast<double>(i)), FrameUse::Used, 0.0, {}, {}});
     for (FrameId id = 2; id < kFrames; id += interval) {
         result.keyframes.frame.push_back(id);
         result.alignment.camera_from_world.push_back(truth(id));
