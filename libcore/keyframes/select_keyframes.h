@@ -18,7 +18,7 @@ struct KeyframeParams {
     double min_translation = 0.03;
     double min_angle = 2.0;
     int max_keyframes = 600;
-    bool require_depth = true;
+    bool require_depth = false;
 
     static constexpr auto list()
     {

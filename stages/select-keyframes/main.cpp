@@ -8,7 +8,7 @@ int main(int argc, char** argv)
     const Stage stage{
         .name = "select-keyframes",
         .summary = "takes the sharpest usable frame of every interval",
-        .impl_version = 1,
+        .impl_version = 2,
         .inputs = {{"scan", "frames with poses"}},
         .outputs = {{"keyframes", "the frames to use, the blur of every frame, and why the others were left out"}},
         .reads_images = true,

@@ -115,19 +115,19 @@ TEST(ChooseKeyframes, ReasonOfEveryUnusableFrameIsTold)
     scan.frames[2].color.name = "";
     scan.frames[3].depth.name = "";
     const float none = std::numeric_limits<float>::quiet_NaN();
-    const Keyframes keyframes = choose_keyframes(scan, {none, none, none, none, 0.5f}, only_interval(5));
+    KeyframeParams params = only_interval(5);
+    params.require_depth = true;
+    const Keyframes keyframes = choose_keyframes(scan, {none, none, none, none, 0.5f}, params);
     EXPECT_THAT(keyframes.frame, ElementsAre(4u));
     EXPECT_THAT(keyframes.reason,
                 ElementsAre(Dropped::InvalidPose, Dropped::HeldOut, Dropped::NoImage, Dropped::NoImage, Dropped::Kept));
 }
 
-TEST(ChooseKeyframes, AFrameWithoutDepthIsAllowedOnRequest)
+TEST(ChooseKeyframes, AFrameWithoutDepthIsAllowed)
 {
     Scan scan = line_of_frames(1);
     scan.frames[0].depth.name = "";
-    KeyframeParams params = only_interval(1);
-    params.require_depth = false;
-    EXPECT_EQ(choose_keyframes(scan, {0.5f}, params).frame.size(), 1u);
+    EXPECT_EQ(choose_keyframes(scan, {0.5f}, only_interval(1)).frame.size(), 1u);
 }
 
 TEST(ChooseKeyframes, DropsFramesFarAboveTheMedianBlur)
@@ -182,7 +182,9 @@ TEST(ChooseKeyframes, NoUsableFrameIsAnErrorThatSaysWhatToDo)
     Scan scan = line_of_frames(2);
     for (Frame& frame : scan.frames)
         frame.depth.name = "";
-    const auto choose = [&] { choose_keyframes(scan, std::vector<float>(2, NAN), only_interval(1)); };
+    KeyframeParams params = only_interval(1);
+    params.require_depth = true;
+    const auto choose = [&] { choose_keyframes(scan, std::vector<float>(2, NAN), params); };
     EXPECT_THAT(error_of(choose, ExitCode::Impossible), HasSubstr("require_depth=false"));
 }
 
