@@ -18,17 +18,23 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-// The result of the last stage of the graph that gives this schema and has one.
-std::optional<fs::path> find_result(const Graph& graph, const std::string& scan, const Layout& layout,
-                                    const std::string& schema)
+// The results of the graph's stages of this schema that are there, in order.
+std::vector<fs::path> find_results(const Graph& graph, const std::string& scan, const Layout& layout,
+                                   const std::string& schema)
 {
-    std::optional<fs::path> found;
+    std::vector<fs::path> found;
     for (const auto& node : graph.nodes)
         for (const auto& port : node.program.description.outputs) {
             const fs::path path = layout.output(scan, node.name, port.name, port.schema);
-            if (port.schema == schema && fs::is_regular_file(path)) found = path;
+            if (port.schema == schema && fs::is_regular_file(path)) found.push_back(path);
         }
     return found;
+}
+
+// How well the photographs agreed before anything was aligned: the draft's alignment knows, where there is one.
+std::optional<HeldOutScores> scores_of_draft(const std::vector<fs::path>& alignments)
+{
+    return alignments.size() > 1 ? read_alignment(alignments.front()).held_out : std::nullopt;
 }
 
 template <class T>
@@ -105,7 +111,10 @@ bool write_report(const Graph& graph, const NamedScan& named, const Layout& layo
 {
     const std::string digest = digest_of(graph, named.name, layout);
     if (fs::is_regular_file(page) && digest_of_page(page) == digest) return false;
-    const auto find = [&](const char* schema) { return find_result(graph, named.name, layout, schema); };
+    const auto find = [&](const char* schema) {
+        const auto found = find_results(graph, named.name, layout, schema);
+        return found.empty() ? std::nullopt : std::optional(found.back());
+    };
     const auto textured = read_if_found(find("textured_mesh"), read_textured_mesh);
     const auto planes = textured ? std::nullopt : read_if_found(find("plane_mesh"), read_plane_mesh);
     const auto dense = read_if_found(find("mesh"), read_mesh);
@@ -133,6 +142,7 @@ bool write_report(const Graph& graph, const NamedScan& named, const Layout& layo
     parts.images = pointer(images);
     parts.keyframes = pointer(keyframes);
     parts.alignment = pointer(alignment);
+    parts.draft_scores = scores_of_draft(find_results(graph, named.name, layout, "alignment"));
     parts.lines = pointer(lines);
     parts.metrics = pointer(metrics);
     if (const auto model_file = find(textured ? "textured_mesh" : "plane_mesh"))

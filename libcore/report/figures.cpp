@@ -27,8 +27,9 @@ Json summary_of(const ReportParts& parts)
     if (parts.keyframes) summary["keyframes"] = parts.keyframes->frame.size();
     if (parts.alignment && parts.alignment->held_out) {
         const HeldOutScores& scores = *parts.alignment->held_out;
-        summary["held_out"] = {
-            {"input", scores.input}, {"optimized", scores.optimized}, {"is_input_kept", scores.is_input_kept}};
+        summary["held_out"] = {{"input", parts.draft_scores ? parts.draft_scores->input : scores.input},
+                               {"optimized", scores.optimized},
+                               {"is_input_kept", scores.is_input_kept}};
     }
     return summary;
 }

@@ -35,6 +35,7 @@ struct ReportParts {
     const ScanImages* images = nullptr; // with scan, keyframes and lines: photographs with their lines
     const Keyframes* keyframes = nullptr;
     const Alignment* alignment = nullptr;
+    std::optional<HeldOutScores> draft_scores; // of an alignment before that one, from which its poses come
     const LineMatches* lines = nullptr;
     const Metrics* metrics = nullptr;
     std::vector<StageFigures> stages;

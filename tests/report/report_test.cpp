@@ -194,6 +194,8 @@ TEST(Report, SaysThatTheAlignmentKeptItsInput)
     Example example;
     EXPECT_THAT(make_report(example.parts),
                 HasSubstr(R"("held_out":{"input":6.25,"optimized":7.5,"is_input_kept":true})"));
+    example.parts.draft_scores = HeldOutScores{12.5, 6.25, false};
+    EXPECT_THAT(make_report(example.parts), HasSubstr(R"("held_out":{"input":12.5,"optimized":7.5,)"));
     example.alignment.held_out.reset();
     EXPECT_THAT(make_report(example.parts), Not(HasSubstr(R"("held_out":{)")));
 }
