@@ -9,6 +9,7 @@
 #include "scan/scan.h"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 

@@ -13,10 +13,11 @@ constexpr double kSigma = 0.01; // [m], that depths are expected to have
 AlignmentProblem wall_of_depths(const AlignmentScene& scene, double sigma)
 {
     std::mt19937 generator(1);
-    std::normal_distribution<float> noise(0.0f, static_cast<float>(sigma));
+    std::normal_distribution<double> noise; // of 1; of 0 there is none
     std::vector<DepthSample> samples;
     for (int i = 0; i < 4000; ++i)
-        samples.push_back({{0.0f, 0.0f, 1.0f + noise(generator)}, 0, static_cast<float>(1.0 / kSigma)});
+        samples.push_back(
+            {{0.0f, 0.0f, static_cast<float>(1.0 + sigma * noise(generator))}, 0, static_cast<float>(1.0 / kSigma)});
     AlignmentProblem problem{scene, 0, {}, {}, {}, {}, {}, {}, {}, 0.0, given_weights(scene.params), {}, {}, {}, {}};
     problem.depths.add(0, std::move(samples));
     return problem;
