@@ -68,9 +68,20 @@ std::optional<TemporaryName> parse_temporary(std::string text)
     return is_one ? std::optional(parsed) : std::nullopt;
 }
 
+// Has the process ended, or only not been waited for yet? A zombie still takes signals.
+bool is_gone(pid_t pid)
+{
+    if (::kill(pid, 0) != 0) return errno == ESRCH;
+    std::ifstream file("/proc/" + std::to_string(pid) + "/stat"); // PID (NAME) STATE ...
+    std::string line;
+    if (!std::getline(file, line)) return false;
+    const auto name_end = line.rfind(')');
+    return name_end != std::string::npos && name_end + 2 < line.size() && line[name_end + 2] == 'Z';
+}
+
 bool is_abandoned(const TemporaryName& temporary, const fs::path& path, std::int64_t foreign_before)
 {
-    if (temporary.host == this_host()) return ::kill(temporary.pid, 0) != 0 && errno == ESRCH;
+    if (temporary.host == this_host()) return is_gone(temporary.pid);
     struct stat status {};
     return ::stat(path.c_str(), &status) == 0 && status.st_mtim.tv_sec < foreign_before;
 }

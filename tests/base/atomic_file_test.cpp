@@ -1,8 +1,12 @@
 #include "base/atomic_file.h"
+
+#include "base/durable_file.h"
 #include "support/expect_error.h"
 #include "support/temporary_folder.h"
 
 #include <fstream>
+#include <sys/wait.h>
+#include <unistd.h>
 
 namespace quoin {
 namespace {
@@ -74,6 +78,23 @@ TEST(ReadText, ReadsAnEmptyFileAndNamesAMissingOne)
     std::ofstream(folder.path() / "empty");
     EXPECT_EQ(read_text(folder.path() / "empty"), "");
     EXPECT_THAT(error_of([&] { read_text(folder.path() / "none"); }, ExitCode::Input), testing::HasSubstr("none"));
+}
+
+TEST(AbandonedFiles, AreThoseOfAProcessThatNobodyHasWaitedForToo)
+{
+    const test::TemporaryFolder folder;
+    const pid_t child = ::fork();
+    if (child == 0) {
+        const TemporaryPath left(folder.path() / "result");
+        std::ofstream(left.path()) << "half";
+        ::_exit(0); // leaves it
+    }
+    siginfo_t info{};
+    ASSERT_EQ(::waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOWAIT), 0);
+    EXPECT_EQ(entries(folder.path()), 1u);
+    EXPECT_EQ(remove_abandoned_files(folder.path()), 1u);
+    EXPECT_EQ(entries(folder.path()), 0u);
+    ::waitpid(child, nullptr, 0);
 }
 
 } // namespace
