@@ -47,7 +47,7 @@ void print_run(const RunHistory& run, const std::string& stage)
     for (const auto& task : run.tasks) {
         if (!stage.empty() && task.stage != stage) continue;
         const std::string name = task.variant.empty() ? task.scan : task.scan + "@" + task.variant;
-        fmt::print("{:<16} {:<20} {:<9} {:>10} {:>9}  {:.12}\n", name, task.stage, task.state,
+        fmt::print("{:<16} {:<22} {:<9} {:>10} {:>9}  {:.12}\n", name, task.stage, task.state,
                    duration_text(task.seconds), task.peak_memory > 0 ? bytes_text(task.peak_memory) : "", task.key);
         for (const auto& line : task.words)
             fmt::print("    {}\n", line);

@@ -64,7 +64,7 @@ void print_row(const Row& row)
     const auto shown = [&](bool is_known, const std::string& text) {
         return work == 0 ? std::string() : is_known ? text : std::string("?");
     };
-    fmt::print("{:<16} {:<20} {:<14} {:>10} {:>9} {:>9}\n", row.scan, row.stage, state_text(row),
+    fmt::print("{:<16} {:<22} {:<14} {:>10} {:>9} {:>9}\n", row.scan, row.stage, state_text(row),
                shown(row.unknown < work, duration_text(row.seconds)), shown(row.memory > 0, bytes_text(row.memory)),
                shown(row.disk > 0, bytes_text(row.disk)));
 }
@@ -75,7 +75,7 @@ void print_plan(const std::vector<Task>& tasks, const std::filesystem::path& sto
 {
     const auto forecasts = forecast_tasks(tasks, store);
     const auto rows = rows_of(tasks, forecasts, estimate_tasks(tasks, forecasts, read_history(store)));
-    fmt::print("{:<16} {:<20} {:<14} {:>10} {:>9} {:>9}\n", "scan", "stage", "", "time", "memory", "disk");
+    fmt::print("{:<16} {:<22} {:<14} {:>10} {:>9} {:>9}\n", "scan", "stage", "", "time", "memory", "disk");
     Row total;
     for (const auto& row : rows) {
         print_row(row);

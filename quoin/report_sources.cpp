@@ -31,6 +31,12 @@ std::vector<fs::path> find_results(const Graph& graph, const std::string& scan, 
     return found;
 }
 
+// The scan with the poses that it came with, before a draft corrected them.
+std::optional<fs::path> recorded_scan(const std::vector<fs::path>& scans)
+{
+    return scans.empty() ? std::nullopt : std::optional(scans.front());
+}
+
 // How well the photographs agreed before anything was aligned: the draft's alignment knows, where there is one.
 std::optional<HeldOutScores> scores_of_draft(const std::vector<fs::path>& alignments)
 {
@@ -118,7 +124,7 @@ bool write_report(const Graph& graph, const NamedScan& named, const Layout& layo
     const auto textured = read_if_found(find("textured_mesh"), read_textured_mesh);
     const auto planes = textured ? std::nullopt : read_if_found(find("plane_mesh"), read_plane_mesh);
     const auto dense = read_if_found(find("mesh"), read_mesh);
-    const auto scan = read_if_found(find("scan"), read_scan);
+    const auto scan = read_if_found(recorded_scan(find_results(graph, named.name, layout, "scan")), read_scan);
     const auto keyframes = read_if_found(find("keyframes"), read_keyframes);
     const auto alignment = read_if_found(find("alignment"), read_alignment);
     const auto lines = read_if_found(find("lines"), read_lines);

@@ -65,7 +65,7 @@ void print_scan(const Layout& layout, const std::string& scan)
         std::vector<std::string> outputs;
         for (const auto& [port, payload] : record.outputs)
             outputs.push_back(fmt::format("{} {:.12}", port, payload));
-        fmt::print("  {:<18} {:>10} {:>9}  {}\n", stage, duration_text(record.seconds),
+        fmt::print("  {:<22} {:>10} {:>9}  {}\n", stage, duration_text(record.seconds),
                    bytes_text(record.peak_memory_bytes), fmt::join(outputs, ", "));
     }
     if (const fs::path model = layout.scan_folder(scan) / "model"; fs::is_directory(model))

@@ -108,7 +108,7 @@ void print_submission(const fs::path& folder)
                 failures.push_back(fmt::format("{}: {} {}; see {}", task.scan, stage, state.text,
                                                (folder / "logs" / state.log).string()));
         }
-        fmt::print("{:<20} {}\n", stage, counts_text(counts));
+        fmt::print("{:<22} {}\n", stage, counts_text(counts));
     }
     for (const auto& failure : failures)
         fmt::print("{}\n", failure);

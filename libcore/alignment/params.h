@@ -166,8 +166,7 @@ struct OptimizeTextureParams {
             Param{"plane_loops", &P::plane_loops, "", "plane steps per round (alternating)", 0, 1000},
             Param{"estimate_noise", &P::estimate_noise, "",
                   "take depths, and greys where they agree better than by sigma_color, to be as exact as they agree, "
-                  "before "
-                  "they are weighed against the input's poses and planes (joint)"},
+                  "before they are weighed against the input's poses and planes (joint)"},
             Param{"sigma_color", &P::sigma_color, "", "noise of a grey value, 0..1", 1e-6, 1.0},
             Param{"huber_color", &P::huber_color, "", "grey difference from which the cost is linear; 1 = never", 1e-6,
                   1.0},

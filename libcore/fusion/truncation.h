@@ -8,7 +8,7 @@ namespace quoin {
 // Depth sensors err with the square of the depth: a fixed truncation that suits near depths would make a surface of its
 // own of every far measurement.
 struct Truncation {
-    float least = 0.04f; // [m]
+    float least = 0.0f;  // [m]
     float growth = 0.0f; // [1/m]
 
     float at(float depth) const { return std::max(least, growth * depth * depth); } // [m]

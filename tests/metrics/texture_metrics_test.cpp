@@ -1,6 +1,5 @@
 #include "bake/bake_texture.h"
-#include "bake/painted_scan.h"
-#include "metrics/evaluate.h"
+#include "metrics/painted_figures.h"
 #include "metrics/value_of.h"
 #include "support/plane_meshes.h"
 
@@ -10,6 +9,7 @@ namespace quoin {
 namespace {
 
 using Eigen::Vector3d;
+using test::figures_of;
 using test::has;
 using test::looking_at;
 using test::PaintedScan;
@@ -17,16 +17,9 @@ using test::value_of;
 
 Metrics figures_of(const PaintedScan& scan, const TexturedMesh& textured)
 {
-    const ScanImages images = scan.images();
-    Evaluated inputs;
-    inputs.scan = &images.scan();
-    inputs.images = &images;
-    inputs.keyframes = &scan.keyframes();
-    inputs.alignment = &scan.alignment();
-    inputs.textured = &textured;
     EvaluateParams params;
     params.samples = 20000;
-    return evaluate(inputs, params);
+    return figures_of(scan, scan.images(), textured, params);
 }
 
 Metrics figures_of(const PaintedScan& scan, const BakeTextureParams& baking = {})

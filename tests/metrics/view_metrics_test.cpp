@@ -1,6 +1,5 @@
 #include "bake/bake_texture.h"
-#include "bake/painted_scan.h"
-#include "metrics/evaluate.h"
+#include "metrics/painted_figures.h"
 #include "metrics/value_of.h"
 #include "support/plane_meshes.h"
 
@@ -10,6 +9,7 @@ namespace quoin {
 namespace {
 
 using Eigen::Vector3d;
+using test::figures_of;
 using test::looking_at;
 using test::PaintedScan;
 using test::value_of;
@@ -31,13 +31,7 @@ Metrics figures_of(const PaintedScan& scan, const PlaneMesh& model)
 {
     const ScanImages images = scan.images();
     const TexturedMesh textured = bake_texture({images, scan.keyframes(), model, scan.alignment()}, {});
-    Evaluated inputs;
-    inputs.scan = &images.scan();
-    inputs.images = &images;
-    inputs.keyframes = &scan.keyframes();
-    inputs.alignment = &scan.alignment();
-    inputs.textured = &textured;
-    return evaluate(inputs, {});
+    return figures_of(scan, images, textured, {});
 }
 
 TEST(ViewMetrics, ChargeForPixelsWithADepthThatTheModelLeavesOut)
